@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * libcalx: make a simulation from a scene, step it, look at it, save it. No global mutable state: several simulations can
+ * live in one process. Not thread-safe per simulation.
+ */
+#ifndef CALX_CALX_H
+#define CALX_CALX_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "core/error.h"
+#include "core/loader.h"
+#include "core/scene.h"
+
+#define CALX_VERSION "0.1.0"
+
+struct calx_sim;
+
+/* Builds the plan and the state of the scene, which must outlive the simulation, with forces at t = 0.
+ * threads: 0 for all cores. NULL with an error. */
+struct calx_sim *calx_sim_create(const struct calx_scene *, struct calx_registry *, int threads, struct calx_error *);
+void calx_sim_free(struct calx_sim *);
+
+/* One step; a stage that has ended hands over to the next. Errors: CALX_ERROR_PHYSICS with time, particles, reason and remedy. */
+int calx_sim_step(struct calx_sim *, struct calx_error *);
+
+bool calx_sim_done(const struct calx_sim *);    /* the last stage has ended */
+double calx_sim_time(const struct calx_sim *);  /* s */
+double calx_sim_end(const struct calx_sim *);   /* s, the latest end of the last stage; infinite if only a condition ends it */
+int64_t calx_sim_step_count(const struct calx_sim *);
+size_t calx_sim_particle_count(const struct calx_sim *);
+size_t calx_sim_contact_count(const struct calx_sim *);
+double calx_sim_dt(const struct calx_sim *);
+int calx_sim_stage(const struct calx_sim *);    /* index of the current stage */
+bool calx_sim_stage_began(const struct calx_sim *); /* the step just made ended a stage */
+
+/* A hash of the physical state (positions, velocities, spins, temperatures, history, in order of id): equal bits, equal hash. */
+uint64_t calx_sim_hash(const struct calx_sim *);
+
+/* What will be computed, what is left out and why, the critical step and which contact sets it, Biot number, memory. */
+void calx_sim_describe(const struct calx_sim *, FILE *);
+
+/* ---- the plan, as data (what exists in memory) ------------------------------------------------------- */
+
+struct calx_features {
+    bool motion, rotation, temperature, history, search, periodic, contacts, wall_contacts, heat_network, ledger;
+    uint32_t dimension;
+    size_t history_columns; /* doubles kept per touching pair */
+    size_t bytes;           /* of all arrays of the state */
+};
+struct calx_features calx_sim_features(const struct calx_sim *);
+
+/* ---- frames: a copy of the state in order of id, for output ----------------------------------------- */
+
+/* Absent fields are NULL. Arrays are owned by the frame. */
+struct calx_frame {
+    double time;
+    int64_t step;
+    uint32_t dimension;
+    size_t n;
+    int64_t *id;
+    double (*position)[3];
+    double *radius;
+    double (*velocity)[3];
+    double (*spin)[3];
+    double (*force)[3];      /* N, mass times acceleration without gravity: the sum of contact forces */
+    double *temperature;
+    double *heat;            /* W, net heat flow into the body */
+    double *mass;
+    int32_t *material;
+    int32_t *contacts;       /* coordination number */
+    /* contact network */
+    size_t contact_count;
+    int64_t (*pair)[2];            /* ids; a wall w is -1 - w */
+    double (*pair_position)[2][3]; /* centre of i; centre of j or the point of the wall, of the same periodic image */
+    double *normal_force, *tangential_force, *heat_flow, *overlap; /* N, N, W (into i), m */
+    int32_t *status; /* 0 stick, 1 slip (friction fully mobilised) */
+    /* walls: primitives at their present pose; arcs of circles, cylinders and spheres as flat pieces */
+    size_t wall_points, wall_cells;
+    double (*wall_position)[3];
+    int32_t (*wall_cell)[4];  /* point indices; lines use 2, the rest -1 */
+    int32_t *wall_of_cell;    /* wall index */
+    double (*wall_velocity)[3]; /* per point, m/s */
+    double *wall_temperature; /* per cell, K; NaN if insulated; NULL without temperature */
+    double (*wall_force)[3];  /* per cell: the force of the grains on its wall, N */
+    bool walls_changed;       /* since the frame before */
+};
+
+/* with_contacts: fill the contact network too. NULL without memory. */
+struct calx_frame *calx_frame_create(struct calx_sim *, bool with_contacts);
+void calx_frame_free(struct calx_frame *);
+
+/* ---- quantities --------------------------------------------------------------------------------------- */
+
+/* The energies of the ledger, J. residual = (kinetic + elastic + potential + dissipated) - initial - work of walls; heat_residual =
+ * heat - initial heat - wall heat - heat of dissipation. `scale`: the largest energy that took part. */
+struct calx_ledger {
+    double kinetic, rotational, elastic, potential, dissipated, wall_work, gravity_work, residual, scale;
+    double heat, wall_heat, heat_of_dissipation, heat_residual, heat_scale;
+    double momentum[3];
+};
+struct calx_ledger calx_sim_ledger(struct calx_sim *);
+
+/* Every quantity by name that probes, expectations, stage conditions and the CSV may use; unit as UDUNITS-2 text. */
+struct calx_measure {
+    const char *name, *unit, *doc;
+    int per_particle; /* 1: a particle or a reduction must be chosen; components: 3 */
+    int components;
+};
+size_t calx_measure_count(void);
+const struct calx_measure *calx_measure_at(size_t);
+const struct calx_measure *calx_measure_find(const char *name);
+
+/* The present value of a probe (a quantity with its choices). NaN if it does not exist in this scene. */
+double calx_sim_measure(struct calx_sim *, const struct calx_probe *);
+
+/* ---- restart ------------------------------------------------------------------------------------------ */
+
+/* The whole state as named blocks of bytes, pointers valid until the next call on sim. The file format is io/restart.c. */
+struct calx_block {
+    char name[32];
+    const void *data;
+    size_t bytes;
+};
+int calx_sim_save(struct calx_sim *, struct calx_block **blocks, size_t *count, struct calx_error *); /* free(*blocks) */
+/* Replaces the state of a simulation made from the same scene. On error the simulation must be freed. */
+int calx_sim_restore(struct calx_sim *, const struct calx_block *blocks, size_t count, struct calx_error *);
+
+#endif

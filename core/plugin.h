@@ -1,0 +1,258 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * The plugin interface of calx: the only header a physical model includes.
+ *
+ * A plugin is one shared object that exports one constant symbol, `calx_plugin` (CALX_PLUGIN_SYMBOL): a
+ * descriptor of type struct calx_plugin. It describes itself (name, reference, equation, a table of
+ * parameters, what it needs) and points to batched kernels over structures of arrays.
+ *
+ * Conventions, the same everywhere in calx: SI units; the unit normal points from body j to body i; overlap is
+ * positive when touching; v_n = (v_i - v_j).n is positive when separating; forces, tangential forces and
+ * torques are those on body i. The host applies the opposite to j, the lever arms, the turning of
+ * tangential history with the normal, and the antisymmetric heat flow.
+ *
+ * Phases: [prepare] single thread, may allocate and fail with text; [kernel] any thread, disjoint batches at once, must not
+ * allocate, fail, lock, print or touch globals.
+ */
+#ifndef CALX_PLUGIN_H
+#define CALX_PLUGIN_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define CALX_PLUGIN_MAGIC 0x786c6163u /* "calx" */
+#define CALX_PLUGIN_ABI 1u
+#define CALX_PLUGIN_SYMBOL "calx_plugin"
+
+/* Columns of a batch hold a whole number of groups of CALX_WIDTH doubles and are aligned to 64 bytes. */
+#define CALX_WIDTH 8
+/* Most contacts in one batch. */
+#define CALX_BATCH 64
+
+/* Put before a static leaf function whose `restrict` parameters are the columns: it is then compiled for
+ * several instruction sets and the best one is taken when the plugin is loaded. */
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(CALX_NO_CLONES)
+#define CALX_KERNEL __attribute__((target_clones("avx512f,arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define CALX_KERNEL
+#endif
+
+enum calx_kind { CALX_CONTACT = 1, CALX_CONDUCTANCE, CALX_MOTION, CALX_TEMPERATURE };
+
+enum calx_bodies { CALX_SPHERES, CALX_DISCS };
+
+/* ---- parameters ------------------------------------------------------------------------------------- */
+
+enum calx_scope {
+    CALX_RUN,      /* one value for the run: attribute of the model's element */
+    CALX_MATERIAL, /* attribute of <material>; the field is double[2]: value of body i, value of body j */
+    CALX_PAIR      /* attribute of the model's element, overridden by <pair> */
+};
+
+enum calx_parameter_flags {
+    CALX_REQUIRED = 1,  /* no default */
+    CALX_OPTIONAL = 2,  /* no default: the field is NaN if not given */
+    CALX_SWITCH = 4,    /* "no" or "yes": 0 or 1 */
+    CALX_CHOICE = 8,    /* one of the words of `choices` ("a|b|c"): the field holds its index */
+    CALX_OPEN_MIN = 16, /* the value must be greater than min, not equal */
+    CALX_OPEN_MAX = 32  /* the value must be less than max, not equal */
+};
+
+/* One row of a plugin's parameter table. The field at `offset` of the plugin's struct is a double
+ * (double[2] for CALX_MATERIAL). Without CALX_REQUIRED and CALX_OPTIONAL, `initial` is the default. */
+struct calx_parameter {
+    const char *name;   /* as in the case file: lower case, hyphens */
+    const char *symbol; /* as in the equation: "k_n" */
+    const char *unit;   /* UDUNITS-2 text, "1" for a number */
+    const char *doc;    /* one sentence */
+    double initial, min, max;
+    uint32_t flags; /* enum calx_parameter_flags */
+    uint32_t scope; /* enum calx_scope */
+    size_t offset;
+    const char *choices; /* for CALX_CHOICE, else NULL */
+};
+
+/* ---- what a plugin may know when it prepares --------------------------------------------------------- */
+
+struct calx_setup {
+    size_t size;         /* sizeof(struct calx_setup) */
+    uint32_t dimension;  /* 2 or 3 */
+    uint32_t bodies;     /* enum calx_bodies */
+    double thickness;    /* length of discs, m; 0 for spheres */
+    double velocity_lag; /* the velocities a law sees are those of lag*dt before the positions */
+};
+
+enum calx_need {
+    CALX_NEEDS_TANGENT = 1,      /* vt; gives ft a meaning */
+    CALX_NEEDS_ROTATION = 2,     /* bodies spin; vt is that of the contact point */
+    CALX_NEEDS_TEMPERATURE = 4,  /* temperature_i, temperature_j */
+    CALX_NEEDS_NORMAL_FORCE = 8, /* fn is that of the laws before */
+    CALX_NEEDS_SPIN = 16         /* spin: relative angular velocity, and torque */
+};
+
+/* Filled from the descriptor before prepare; prepare may change it to what these parameter values need. */
+struct calx_demand {
+    uint32_t needs;         /* enum calx_need */
+    size_t history_vectors; /* tangential vectors kept while the contact lasts, turned by the host */
+    size_t history_scalars; /* scalars kept while the contact lasts */
+    double gap;             /* the law acts from this gap before touch, m */
+};
+
+/* ---- contact laws ------------------------------------------------------------------------------------ */
+
+/* A batch of contacts of one stack of laws and one pair of materials.
+ * n contacts; each column has n values and padding up to a multiple of CALX_WIDTH whose values are finite and
+ * whose results are ignored (padding has overlap 0). Columns that a plugin has not asked for are NULL.
+ * A contact is seen from its first evaluation with overlap > -gap to one evaluation after its end: there
+ * overlap <= -gap, and the law must return zero force and book the work of its last half step. */
+struct calx_contacts {
+    size_t size; /* sizeof(struct calx_contacts) */
+    size_t n;
+    double dt;                  /* s, step of the integrator of motion */
+    const double *overlap;      /* m */
+    const double *normal[3];    /* 1, from j to i */
+    const double *vn;           /* m/s, > 0 separating */
+    const double *vt[3];        /* m/s, tangential velocity of i relative to j at the contact point */
+    const double *spin[3];      /* rad/s, omega_i - omega_j */
+    const double *inverse_mass; /* 1/kg, 1/m_i + 1/m_j: the inverse effective mass; a wall adds 0 */
+    const double *curvature[2]; /* 1/m, 1/R_i and 1/R_j; 0 for a wall */
+    const double *temperature[2]; /* K */
+    const double *coulomb; /* N, the force whose size limits friction: fn without cohesion */
+    double *fn;            /* N, in/out: add the normal force, > 0 pushes apart */
+    double *ft[3];         /* N, in/out: add the tangential force on i */
+    double *torque[3];     /* N m, in/out: add the couple on i (on j: the opposite) */
+    double *work;          /* J, in/out: add the energy dissipated since the last evaluation: the trapezoid of
+                            * old and new dissipative force times the relative velocity times dt */
+    double *const *history; /* this law's columns, in/out: x, y, z of each vector, then the scalars; 0 at onset */
+};
+
+/* Where elastic energy, tangent stiffness and damping are asked for (not in every step). Columns as in the batch. */
+struct calx_response {
+    size_t size;
+    double *energy;       /* J, in/out: add the stored elastic energy; NULL if not asked for */
+    double *stiffness[2]; /* N/m, in/out: add d fn/d overlap, d ft/d u; NULL if not asked for */
+    double *damping[2];   /* N s/m, in/out: normal, tangential; NULL if not asked for */
+};
+
+enum calx_part { CALX_NORMAL = 1, CALX_COHESION = 2, CALX_TANGENTIAL = 4, CALX_ROLLING = 8 };
+
+struct calx_contact_law {
+    uint32_t provides;          /* enum calx_part: laws act in this order */
+    uint32_t depends;           /* parts that another law of the stack must provide */
+    uint32_t nonsmooth;         /* 1: impulses, needs an integrator that solves for them */
+    struct calx_demand demand;  /* what the law needs at most */
+    const char *const *history; /* names of the history: vectors, then scalars */
+    /* [prepare] params is the plugin's struct for one material pair, filled from the table; returns 0, or 1 with text
+     * in why. May be NULL. */
+    int (*prepare)(const struct calx_setup *, void *params, struct calx_demand *, char *why, size_t why_size);
+    void (*release)(void *params);                                         /* [prepare] may be NULL */
+    void (*force)(const void *params, const struct calx_contacts *);      /* [kernel] */
+    void (*response)(const void *params, const struct calx_contacts *, const struct calx_response *); /* [kernel] */
+};
+
+/* ---- conductances ------------------------------------------------------------------------------------ */
+
+struct calx_conductance_law {
+    struct calx_demand demand; /* history is not available to conductances */
+    int (*prepare)(const struct calx_setup *, void *params, struct calx_demand *, char *why, size_t why_size);
+    void (*release)(void *params);
+    /* [kernel] conductance: W/K, one column; 0 where overlap <= 0. The heat flow to i is H (T_j - T_i). */
+    void (*conductance)(const void *params, const struct calx_contacts *, double *conductance);
+};
+
+/* ---- integrators of motion --------------------------------------------------------------------------- */
+
+/* A range of n particles as rows of four: x = {x, y, z, R}, v = {vx, vy, vz, 1/m}, a = {ax, ay, az, 0}; for rotation
+ * x is NULL, v = {wx, wy, wz, *}, a the angular acceleration. Row i of v and a starts at i*stride doubles, of x and extra at 4*i.
+ * dt[k] is the step for lane k: 0 in lanes that must not move (the fourth; z in 2D), so that a kernel
+ * is a plain loop over four lanes, v[k] += dt[k]*a[k]. Integrator kernels may not assume a dt of zero elsewhere. */
+struct calx_rows {
+    size_t size;
+    size_t n;
+    size_t stride;
+    double dt[4];
+    double *x;
+    double *v;
+    const double *a;
+    double *const *extra; /* extra state of this integrator, rows of four, 0 at the start */
+};
+
+/* One force evaluation with what comes before and after it. */
+struct calx_stage {
+    void (*before)(const void *params, const struct calx_rows *); /* [kernel] may be NULL */
+    void (*after)(const void *params, const struct calx_rows *);  /* [kernel] may be NULL */
+};
+
+struct calx_motion_integrator {
+    uint32_t order;
+    uint32_t stages;         /* force evaluations per step; 0: a global integrator (advance) */
+    uint32_t reversible;
+    uint32_t solves_impulses; /* 1: takes non-smooth laws */
+    double stability;        /* largest omega*dt of an undamped oscillator */
+    double velocity_lag;     /* at a force evaluation velocities are those of lag*dt before the positions */
+    uint32_t extra_translation, extra_rotation; /* rows of extra state per particle */
+    const char *const *extra; /* their names */
+    const struct calx_stage *translation; /* `stages` entries */
+    const struct calx_stage *rotation;    /* `stages` entries */
+    int (*prepare)(const struct calx_setup *, void *params, char *why, size_t why_size);
+    void (*release)(void *params);
+};
+
+/* ---- integrators of temperature ---------------------------------------------------------------------- */
+
+/* The heat network at one instant: C_i dT_i/dt = source_i + sum_edges H (T_j - T_i) + sum_walls H (T_w - T_i). */
+struct calx_network {
+    size_t size;
+    size_t n;                       /* bodies */
+    double dt;                      /* s */
+    double *temperature;            /* K, in/out */
+    const double *capacity;         /* J/K */
+    const double *source;           /* W: heat of dissipation */
+    size_t edges;                   /* contacts between bodies */
+    const int32_t *edge[2];         /* body i, body j */
+    const double *edge_conductance; /* W/K */
+    size_t boundaries;              /* contacts with walls of given temperature */
+    const int32_t *boundary;        /* body */
+    const double *boundary_conductance;
+    const double *boundary_temperature;
+    double *boundary_heat; /* J, out: heat that went from the wall into the body in this step */
+};
+
+struct calx_temperature_integrator {
+    uint32_t order;
+    uint32_t unconditional; /* 1: stable for any step */
+    double stability;       /* largest lambda*dt, lambda the fastest decay rate; ignored if unconditional */
+    int (*prepare)(const struct calx_setup *, void *params, char *why, size_t why_size);
+    void (*release)(void *params);
+    /* One of the two. Staged [kernel]: n bodies, T += ..., strides in doubles, q the net heat flow in W, inverse_capacity in K/J. */
+    void (*advance)(const void *params, size_t n, double dt, double *temperature, size_t temperature_stride,
+                    const double *q, size_t q_stride, const double *inverse_capacity);
+    /* Global, called from one thread once per heat step; may allocate; returns 0, or 1 with text. */
+    int (*solve)(const void *params, const struct calx_network *, char *why, size_t why_size);
+};
+
+/* ---- the descriptor ---------------------------------------------------------------------------------- */
+
+struct calx_plugin {
+    /* frozen prefix, the same in every ABI version */
+    uint32_t magic; /* CALX_PLUGIN_MAGIC */
+    uint32_t abi;   /* CALX_PLUGIN_ABI */
+    uint64_t size;  /* sizeof(struct calx_plugin) */
+    /* end of prefix */
+    uint32_t kind; /* enum calx_kind */
+    const char *name;
+    const char *summary;   /* one line */
+    const char *reference; /* paper and equation */
+    const char *equation;  /* plain text */
+    size_t parameter_count;
+    const struct calx_parameter *parameters;
+    size_t params_size; /* bytes of the plugin's own struct */
+    const void *law;    /* struct of its kind: calx_contact_law, calx_conductance_law, ... */
+};
+
+/* Visibility of the one exported symbol: CALX_EXPORT const struct calx_plugin calx_plugin = {...}; */
+#define CALX_EXPORT __attribute__((visibility("default"))) extern const struct calx_plugin calx_plugin; \
+    __attribute__((visibility("default")))
+#define CALX_DESCRIPTOR_PREFIX .magic = CALX_PLUGIN_MAGIC, .abi = CALX_PLUGIN_ABI, .size = sizeof(struct calx_plugin)
+
+#endif
