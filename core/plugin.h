@@ -37,6 +37,12 @@
 #define CALX_KERNEL
 #endif
 
+/* Length of a column of n values with its padding: the bound of a kernel's loop, which then needs no remainder. */
+static inline size_t calx_padded(size_t n)
+{
+    return (n + CALX_WIDTH - 1) / CALX_WIDTH * CALX_WIDTH;
+}
+
 enum calx_kind { CALX_CONTACT = 1, CALX_CONDUCTANCE, CALX_MOTION, CALX_TEMPERATURE };
 
 enum calx_bodies { CALX_SPHERES, CALX_DISCS };
@@ -149,6 +155,42 @@ struct calx_contact_law {
     void (*force)(const void *params, const struct calx_contacts *);      /* [kernel] */
     void (*response)(const void *params, const struct calx_contacts *, const struct calx_response *); /* [kernel] */
 };
+
+/* ---- help for prepare --------------------------------------------------------------------------------- */
+
+/* Restitution of a contact with the fraction b of critical damping whose force is clipped at zero: it ends when
+ * the force vanishes, at w t = 2 acos b. Schwager and Poeschel, Granular Matter 9 (2007) 465; the same for
+ * Hertz with Tsuji's damping. (Builtins, because this header depends on no other than the two above.) */
+static inline double calx_clipped_restitution(double b)
+{
+    double w2 = 1 - b * b;
+    if (w2 > 1e-8)
+        return __builtin_exp(-2 * b * __builtin_acos(b) / __builtin_sqrt(w2));
+    if (w2 < -1e-8)
+        return __builtin_exp(-2 * b * __builtin_acosh(b) / __builtin_sqrt(-w2));
+    return __builtin_exp(-2.0);
+}
+
+/* The fraction of critical damping, c/(2 sqrt(k m)), that gives a restitution coefficient e in [0, 1]. If the force
+ * may attract: -ln e/sqrt(pi^2 + ln^2 e), and 1 for e up to 1e-4. If it is clipped at zero: the inverse of
+ * calx_clipped_restitution(), above 1 for e < exp(-2), and the value for 1e-4 (about 50) below that. */
+static inline double calx_damping_ratio(double e, int clipped)
+{
+    const double least = 1e-4, pi = 3.14159265358979323846;
+    if (!clipped) {
+        double l = __builtin_log(e > least ? e : least);
+        return e > least ? -l / __builtin_sqrt(pi * pi + l * l) : 1;
+    }
+    double low = 0, high = 64, target = e > least ? e : least;
+    for (int k = 0; k < 64 && target < 1; k++) {
+        double b = 0.5 * (low + high);
+        if (calx_clipped_restitution(b) > target)
+            low = b;
+        else
+            high = b;
+    }
+    return low;
+}
 
 /* ---- conductances ------------------------------------------------------------------------------------ */
 

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Integrator "velocity-verlet": half a kick, a drift, the forces, half a kick; for spins the kicks alone.
+ * Reference: Swope, Andersen, Berens and Wilson, J. Chem. Phys. 76 (1982) 637.
+ * Second order, symplectic and reversible, one force evaluation per step, stable for omega dt < 2. Laws see the velocity of the middle
+ * of the step together with the positions of its end.
+ */
+#include "core/plugin.h"
+
+CALX_KERNEL static void kick(size_t n, size_t stride, const double *restrict dt, double *restrict v,
+                             const double *restrict a)
+{
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 4; k++)
+            v[i * stride + k] += 0.5 * dt[k] * a[i * stride + k];
+}
+
+CALX_KERNEL static void kick_and_drift(size_t n, size_t stride, const double *restrict dt, double *restrict x,
+                                       double *restrict v, const double *restrict a)
+{
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 4; k++) {
+            double half = v[i * stride + k] + 0.5 * dt[k] * a[i * stride + k];
+            v[i * stride + k] = half;
+            x[4 * i + k] += dt[k] * half;
+        }
+}
+
+static void move(const void *params, const struct calx_rows *r)
+{
+    (void)params;
+    kick_and_drift(r->n, r->stride, r->dt, r->x, r->v, r->a);
+}
+
+static void turn(const void *params, const struct calx_rows *r)
+{
+    (void)params;
+    kick(r->n, r->stride, r->dt, r->v, r->a);
+}
+
+static const struct calx_stage translation[] = {{.before = move, .after = turn}};
+static const struct calx_stage rotation[] = {{.before = turn, .after = turn}};
+
+static const struct calx_motion_integrator law = {
+    .order = 2,
+    .stages = 1,
+    .reversible = 1,
+    .stability = 2,
+    .velocity_lag = 0.5,
+    .translation = translation,
+    .rotation = rotation,
+};
+
+CALX_EXPORT const struct calx_plugin calx_plugin = {
+    CALX_DESCRIPTOR_PREFIX,
+    .kind = CALX_MOTION,
+    .name = "velocity-verlet",
+    .summary = "second order, symplectic, one force evaluation per step",
+    .reference = "Swope, Andersen, Berens and Wilson, J. Chem. Phys. 76 (1982) 637",
+    .equation = "v += a dt/2;  x += v dt;  a = a(x, v);  v += a dt/2",
+    .law = &law,
+};
