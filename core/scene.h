@@ -158,6 +158,7 @@ struct calx_probe {
     char reduce[12];    /* mean, min, max, sum, std */
     char classes[32];   /* lacey-index: what divides the grains: start-height, start-x, material, start-radius, start-temperature */
     double cell;        /* lacey-index: size of a cell, m; 0: automatic */
+    int stage;          /* lacey-index: the classes are those at the start of this stage (since="name"); default 0 */
     struct calx_place place;
 };
 
