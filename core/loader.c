@@ -58,6 +58,9 @@ static bool is_folder(const char *path)
 
 static int registry_add_folder(struct calx_registry *r, const char *folder, size_t length)
 {
+    for (size_t k = 0; k < r->folder_count; k++)
+        if (strlen(r->folders[k]) == length && strncmp(r->folders[k], folder, length) == 0)
+            return 0;
     char **folders = realloc(r->folders, (r->folder_count + 1) * sizeof *folders);
     if (!folders)
         return CALX_ERROR_MEMORY;

@@ -192,6 +192,18 @@ static inline double calx_damping_ratio(double e, int clipped)
     return low;
 }
 
+/* Effective modulus of two bodies, Pa: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2. Johnson, Contact Mechanics (1985), ch. 4. */
+static inline double calx_effective_modulus(const double young[2], const double poisson[2])
+{
+    return 1 / ((1 - poisson[0] * poisson[0]) / young[0] + (1 - poisson[1] * poisson[1]) / young[1]);
+}
+
+/* Conductivity of two half-spaces in series, W/(m K): 2 k1 k2/(k1 + k2), k for equal ones, 0 if one insulates. */
+static inline double calx_pair_conductivity(const double k[2])
+{
+    return k[0] + k[1] > 0 ? 2 * k[0] * k[1] / (k[0] + k[1]) : 0;
+}
+
 /* ---- conductances ------------------------------------------------------------------------------------ */
 
 struct calx_conductance_law {

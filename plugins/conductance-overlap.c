@@ -28,8 +28,7 @@ static int prepare(const struct calx_setup *setup, void *params, struct calx_dem
         snprintf(why, why_size, "the circle of two spheres has no counterpart for discs: use hertz or constant");
         return 1;
     }
-    double sum = p->conductivity[0] + p->conductivity[1];
-    p->twice = sum > 0 ? 4 * p->conductivity[0] * p->conductivity[1] / sum : 0;
+    p->twice = 2 * calx_pair_conductivity(p->conductivity);
     return 0;
 }
 
