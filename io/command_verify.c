@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * `calx verify`: runs cases without output and judges their expectations.
+ * Input: cases. Output: a table of expected, got, error, tolerance, verdict; exit status 1 if anything failed, 2 if a
+ * case cannot be read.
+ */
+#include <stdio.h>
+
+#include "io/commands.h"
+#include "io/run.h"
+
+struct score {
+    size_t cases, passed, failed;
+    int status; /* the worst */
+};
+
+static void count_verdicts(struct score *score, const struct calx_run *run)
+{
+    size_t failures = calx_verify_failures(run->verify);
+    score->failed += failures;
+    score->passed += calx_verify_count(run->verify) - failures;
+    if (failures && score->status == 0)
+        score->status = calx_error_exit(CALX_ERROR_PHYSICS);
+}
+
+static void verify_case(struct score *score, const char *path, const struct calx_arguments *a)
+{
+    const struct calx_run_options options = {
+        .case_path = path, .threads = a->threads, .settings = a->settings, .setting_count = a->setting_count,
+    };
+    struct calx_run run;
+    struct calx_error error;
+    int code = calx_run_open(&run, &options, stderr, &error);
+    if (code == CALX_OK)
+        code = calx_run_go(&run, &error);
+    if (code == CALX_OK) {
+        calx_verify_print(run.verify, run.name, stdout);
+        if (calx_verify_count(run.verify) == 0)
+            printf("%-22s expects nothing\n", run.name);
+        count_verdicts(score, &run);
+    } else {
+        int status = calx_options_report(&error);
+        printf("%-22s FAILED: did not come to its end\n", run.name ? run.name : path);
+        score->failed += 1;
+        score->status = status > score->status ? status : score->status;
+    }
+    fflush(stdout);
+    calx_run_close(&run);
+}
+
+static int verify_cases(const struct calx_arguments *a)
+{
+    struct score score = {.cases = a->operand_count};
+    calx_verify_print_header(stdout);
+    for (size_t i = 0; i < a->operand_count; ++i)
+        verify_case(&score, a->operands[i], a);
+    printf("%zu case%s: %zu expectations passed, %zu failed\n", score.cases, score.cases == 1 ? "" : "s", score.passed,
+           score.failed);
+    return score.status;
+}
+
+#define OPTIONS 2
+static const struct calx_option *const used[OPTIONS] = {&calx_option_set, &calx_option_threads};
+
+const struct calx_command calx_command_verify = {
+    "verify", "CASE... [options]", "run cases and compare with what they expect",
+    "Writes no files. An expectation is judged at the instants of the CSV, at its own time, or at the end.\n\n"
+    "examples:\n"
+    "  calx verify cases/04-two-spheres\n"
+    "  calx verify cases/0*\n",
+    OPTIONS, used, 1, (size_t)-1, verify_cases,
+};
