@@ -39,7 +39,7 @@ static struct calx_verdict judge(const struct calx_expect *e, const struct kept 
     v.time = kept->time;
     if (!e->has_value) {
         double under = isnan(e->above) ? 0 : e->above - v.got, over = isnan(e->below) ? 0 : v.got - e->below;
-        v.error = fmax(0, fmax(under, over));
+        v.error = isnan(v.got) ? NAN : fmax(0, fmax(under, over));
         v.passed = under <= 0 && over <= 0;
         return v;
     }
