@@ -120,14 +120,24 @@ static const struct {
     {"start-temperature", start_temperature, false},
 };
 
-size_t calx_measure_class_count(void)
+enum { KINDS = sizeof kinds / sizeof kinds[0] };
+
+static size_t find_kind(const char *name)
 {
-    return sizeof kinds / sizeof kinds[0];
+    size_t kind = 0;
+    while (kind < KINDS && strcmp(kinds[kind].name, name) != 0)
+        ++kind;
+    return kind;
 }
 
-const char *calx_measure_class_at(size_t i)
+bool calx_measure_is_class(const char *name)
 {
-    return kinds[i].name;
+    return find_kind(name) < KINDS;
+}
+
+const char *calx_measure_classes(void)
+{
+    return "start-height, start-x, material, start-radius, start-temperature";
 }
 
 static int order_doubles(const void *a, const void *b)
@@ -138,11 +148,9 @@ static int order_doubles(const void *a, const void *b)
 
 void calx_lacey_classes(const struct calx_frame *f, const char *name, const double up[3], uint8_t *classes)
 {
-    size_t kind = 0, n = f->n;
-    while (kind < calx_measure_class_count() && strcmp(kinds[kind].name, name) != 0)
-        ++kind;
+    size_t kind = find_kind(name), n = f->n;
     memset(classes, 0, n);
-    double *sorted = kind < calx_measure_class_count() && n > 0 ? malloc(n * sizeof *sorted) : NULL;
+    double *sorted = kind < KINDS && n > 0 ? malloc(n * sizeof *sorted) : NULL;
     if (!sorted)
         return;
     for (size_t i = 0; i < n; ++i)

@@ -170,14 +170,12 @@ static void plain_probe(struct calx_probe *p, const char *quantity, const char *
     strncpy(p->reduce, reduce, sizeof p->reduce - 1);
 }
 
-static void unknown_name(const struct calx_scene *scene, const char *of, struct calx_error *error)
+static int unknown_name(const struct calx_scene *scene, const char *of, struct calx_error *error)
 {
     size_t n = 0, most = scene->probe_count + calx_column_count() + calx_measure_count();
     const char **names = malloc(most * sizeof *names);
-    if (!names) {
-        calx_error_set(error, CALX_ERROR_MEMORY, "out of memory");
-        return;
-    }
+    if (!names)
+        return calx_error_set(error, CALX_ERROR_MEMORY, "out of memory");
     for (size_t i = 0; i < scene->probe_count; ++i)
         names[n++] = scene->probes[i].name;
     for (size_t i = 0; i < calx_column_count(); ++i)
@@ -186,29 +184,31 @@ static void unknown_name(const struct calx_scene *scene, const char *of, struct 
         if (!calx_measure_at(i)->per_particle)
             names[n++] = calx_measure_at(i)->name;
     const char *nearest = calx_error_nearest(of, names, n);
-    free(names);
-    calx_error_set(error, CALX_ERROR_INPUT, "'%s' is no probe, column of the CSV or quantity%s%s%s", of,
+    int code = calx_error_set(error, CALX_ERROR_INPUT, "'%s' is no probe, column of the CSV or quantity%s%s%s", of,
                           nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+    free(names);
+    return code;
 }
 
-const struct calx_probe *calx_measure_resolve(const struct calx_scene *scene, const char *of, struct calx_probe *space,
-                                              struct calx_error *error)
+int calx_measure_resolve(const struct calx_scene *scene, const char *of, struct calx_probe *probe,
+                         struct calx_error *error)
 {
     for (size_t i = 0; i < scene->probe_count; ++i)
-        if (strcmp(scene->probes[i].name, of) == 0)
-            return &scene->probes[i];
+        if (strcmp(scene->probes[i].name, of) == 0) {
+            *probe = scene->probes[i];
+            return CALX_OK;
+        }
     for (size_t i = 0; i < calx_column_count(); ++i)
         if (same_name(calx_column_at(i)->title, of)) {
-            plain_probe(space, calx_column_at(i)->quantity, calx_column_at(i)->reduce);
-            return space;
+            plain_probe(probe, calx_column_at(i)->quantity, calx_column_at(i)->reduce);
+            return CALX_OK;
         }
     for (size_t i = 0; i < calx_measure_count(); ++i)
         if (!calx_measure_at(i)->per_particle && same_name(calx_measure_at(i)->name, of)) {
-            plain_probe(space, calx_measure_at(i)->name, "");
-            return space;
+            plain_probe(probe, calx_measure_at(i)->name, "");
+            return CALX_OK;
         }
-    unknown_name(scene, of, error);
-    return NULL;
+    return unknown_name(scene, of, error);
 }
 
 /* ---- classes ------------------------------------------------------------------------------------------- */

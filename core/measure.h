@@ -21,14 +21,12 @@ size_t calx_column_count(void);
 const struct calx_column *calx_column_at(size_t);
 
 /* What `of` means in an expectation: a probe of the scene, else a column of the CSV, else a quantity of the whole scene
- * (hyphens and underscores are the same). Returns the scene's probe, or `space` filled; NULL with CALX_ERROR_INPUT and
- * the nearest name. */
-const struct calx_probe *calx_measure_resolve(const struct calx_scene *, const char *of, struct calx_probe *space,
-                                              struct calx_error *);
+ * (hyphens and underscores are the same). Fills *probe and returns 0, or CALX_ERROR_INPUT with the nearest name. */
+int calx_measure_resolve(const struct calx_scene *, const char *of, struct calx_probe *probe, struct calx_error *);
 
-/* The names for `classes` of a mixing index: start-height, ... */
-size_t calx_measure_class_count(void);
-const char *calx_measure_class_at(size_t);
+/* Whether this is a name for `classes` of a mixing index; all names, separated by commas. */
+bool calx_measure_is_class(const char *name);
+const char *calx_measure_classes(void);
 /* The names for `reduce`: mean, min, max, sum, std. */
 size_t calx_measure_reduction_count(void);
 const char *calx_measure_reduction_at(size_t);

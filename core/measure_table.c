@@ -187,16 +187,21 @@ static bool wall_temperature(const struct calx_measure_view *v, double out[3])
     return c >= 0 && copy1(f->wall_temperature, (size_t)c, out);
 }
 
+/* The classes belong to the probe of that name, which the caller may hold a copy of. */
+static const uint8_t *classes_of(struct calx_sim *sim, const struct calx_probe *probe)
+{
+    const struct calx_scene *scene = calx_sim_scene(sim);
+    for (size_t i = 0; i < scene->probe_count; ++i)
+        if (strcmp(scene->probes[i].name, probe->name) == 0)
+            return calx_sim_probe_classes(sim, i);
+    return NULL;
+}
+
 static bool lacey_index(const struct calx_measure_view *v, double out[3])
 {
-    const struct calx_scene *scene = calx_sim_scene(v->sim);
-    if (v->probe < scene->probes || v->probe >= scene->probes + scene->probe_count)
-        return false;
-    const uint8_t *classes = calx_sim_probe_classes(v->sim, (size_t)(v->probe - scene->probes));
-    const struct calx_frame *f = calx_measure_frame(v->sim);
-    if (!classes || !f)
-        return false;
-    out[0] = calx_lacey_index(f, classes, v->probe->cell);
+    const uint8_t *classes = classes_of(v->sim, v->probe);
+    const struct calx_frame *f = classes ? calx_measure_frame(v->sim) : NULL;
+    out[0] = f ? calx_lacey_index(f, classes, v->probe->cell) : NAN;
     return true;
 }
 

@@ -27,6 +27,7 @@ static void print_help(FILE *file)
                   "  calx run cases/04-two-spheres\n"
                   "  calx check cases/07-drum-with-flights\n"
                   "  calx plugins linear\n\n"
+                  "quantities for probes and expectations: calx schema --reference\n"
                   "exit status: 0 right, 1 physics or an expectation failed, 2 bad input or usage\n");
 }
 

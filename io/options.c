@@ -64,6 +64,13 @@ static int set_quiet(struct calx_arguments *a, const char *value, struct calx_er
     return CALX_OK;
 }
 
+static int set_reference(struct calx_arguments *a, const char *value, struct calx_error *error)
+{
+    (void)value, (void)error;
+    a->reference = true;
+    return CALX_OK;
+}
+
 static int set_help(struct calx_arguments *a, const char *value, struct calx_error *error)
 {
     (void)value, (void)error;
@@ -84,6 +91,7 @@ const struct calx_option calx_option_threads = {"--threads", "N", "threads to us
 const struct calx_option calx_option_resume = {"--resume", NULL, "go on from the restart point in the output folder", set_resume};
 const struct calx_option calx_option_quiet = {"--quiet", NULL, "no progress and no summary", set_quiet};
 const struct calx_option calx_option_check = {"--check", "FILE.so", "run the conformance suite on that plugin", set_check};
+const struct calx_option calx_option_reference = {"--reference", NULL, "the reference for people (cases/FORMAT.md) instead", set_reference};
 static const struct calx_option option_help = {"--help", NULL, "this text", set_help};
 
 /* ---- parsing -------------------------------------------------------------------------------------------- */

@@ -15,7 +15,7 @@
 struct calx_arguments {
     const char *out, *check;
     int threads; /* 0: all cores */
-    bool resume, quiet, help;
+    bool resume, quiet, reference, help;
     size_t setting_count;
     struct calx_setting *settings; /* owned; the paths are copies */
     size_t operand_count;
@@ -39,7 +39,7 @@ struct calx_command {
 
 /* The options that commands share. */
 extern const struct calx_option calx_option_set, calx_option_out, calx_option_threads, calx_option_resume,
-    calx_option_quiet, calx_option_check;
+    calx_option_quiet, calx_option_check, calx_option_reference;
 
 /* Fills *arguments from argv[1..]. CALX_ERROR_INPUT for what the command does not know, with the nearest name. The caller
  * clears *arguments in any case. */

@@ -22,8 +22,7 @@ struct calx_verify {
     const struct calx_scene *scene;
     size_t count;
     struct kept *kept;
-    const struct calx_probe **probes;
-    struct calx_probe *space; /* for what is not a probe of the scene */
+    struct calx_probe *probes;
 };
 
 /* ---- judgement ------------------------------------------------------------------------------------------ */
@@ -148,7 +147,7 @@ void calx_verify_record(struct calx_verify *verify, struct calx_sim *sim, double
             continue;
         if (rules[e->when].needs_time && !rules[e->when].keep(e, k, 0, now, before))
             continue;
-        double value = calx_sim_measure(sim, verify->probes[i]);
+        double value = calx_sim_measure(sim, &verify->probes[i]);
         if (!k->seen)
             k->first = value;
         if (!k->seen || rules[e->when].keep(e, k, value, now, before)) {
@@ -228,11 +227,9 @@ struct calx_verify *calx_verify_create(const struct calx_scene *scene, struct ca
 {
     size_t n = scene->expect_count;
     struct calx_verify *verify = calloc(1, sizeof *verify);
-    if (verify) {
-        *verify = (struct calx_verify){scene, n, calloc(n + 1, sizeof *verify->kept),
-                                       calloc(n + 1, sizeof *verify->probes), calloc(n + 1, sizeof *verify->space)};
-    }
-    if (!verify || !verify->kept || !verify->probes || !verify->space) {
+    if (verify)
+        *verify = (struct calx_verify){scene, n, calloc(n + 1, sizeof *verify->kept), calloc(n + 1, sizeof *verify->probes)};
+    if (!verify || !verify->kept || !verify->probes) {
         calx_error_set(error, CALX_ERROR_MEMORY, "out of memory");
         calx_verify_free(verify);
         return NULL;
@@ -240,8 +237,7 @@ struct calx_verify *calx_verify_create(const struct calx_scene *scene, struct ca
     for (size_t i = 0; i < n; ++i) {
         const struct calx_expect *e = &scene->expects[i];
         struct calx_error why;
-        verify->probes[i] = calx_measure_resolve(scene, e->of, &verify->space[i], &why);
-        if (!verify->probes[i]) {
+        if (calx_measure_resolve(scene, e->of, &verify->probes[i], &why) != CALX_OK) {
             calx_error_at(error, why.code, e->place, "expect: %s", why.text);
             calx_verify_free(verify);
             return NULL;
@@ -256,7 +252,6 @@ void calx_verify_free(struct calx_verify *verify)
         return;
     free(verify->kept);
     free(verify->probes);
-    free(verify->space);
     free(verify);
 }
 
