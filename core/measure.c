@@ -78,16 +78,6 @@ static const struct { const char *name; double (*take)(const struct tally *); } 
     {"mean", reduce_mean}, {"min", reduce_min}, {"max", reduce_max}, {"sum", reduce_sum}, {"std", reduce_std},
 };
 
-size_t calx_measure_reduction_count(void)
-{
-    return sizeof reductions / sizeof reductions[0];
-}
-
-const char *calx_measure_reduction_at(size_t i)
-{
-    return reductions[i].name;
-}
-
 static bool particle_value(const struct calx_measure_row *row, const struct calx_frame *f, const struct calx_probe *p, size_t i,
                            double *value)
 {
@@ -131,7 +121,7 @@ static double measure_particles(const struct calx_measure_row *row, const struct
     struct tally t = tally_particles(row, f, p);
     if (t.n == 0)
         return NAN;
-    for (size_t i = 0; i < calx_measure_reduction_count(); ++i)
+    for (size_t i = 0; i < sizeof reductions / sizeof reductions[0]; ++i)
         if (strcmp(reductions[i].name, p->reduce[0] ? p->reduce : "mean") == 0)
             return reductions[i].take(&t);
     return NAN;

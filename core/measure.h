@@ -27,9 +27,6 @@ int calx_measure_resolve(const struct calx_scene *, const char *of, struct calx_
 /* Whether this is a name for `classes` of a mixing index; all names, separated by commas. */
 bool calx_measure_is_class(const char *name);
 const char *calx_measure_classes(void);
-/* The names for `reduce`: mean, min, max, sum, std. */
-size_t calx_measure_reduction_count(void);
-const char *calx_measure_reduction_at(size_t);
 
 /* ---- for the engine ----------------------------------------------------------------------------------- */
 
