@@ -28,7 +28,7 @@ struct calx_conformance {
 };
 
 /* Runs every check that applies to the plugin, which must have passed the loader. Fills *report. Returns 0, also when checks
- * fail (report->failed), or CALX_ERROR_MEMORY. */
+ * fail (report->failed), or CALX_ERROR_INPUT for a kind without a suite. */
 int calx_conform_run(const struct calx_plugin *, struct calx_conformance *report, struct calx_error *);
 
 #endif

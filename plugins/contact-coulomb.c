@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * Contact law "coulomb": a tangential spring with friction, and optional damping.
- * The spring force s is history and grows by increments, ds = -kt vt dt; the force is s - ct vt, at most mu times the normal
- * force. When it slips, the spring is shortened so that spring and damper together are at the limit.
+ * The spring force s is history and grows by increments, ds = -kt w dt; the force is s - ct w, at most mu times the normal
+ * force. While it sticks, w is the tangential velocity vt. When it slips, w is what brings spring and damper together to the
+ * limit, and vt - w is the slip, against which the force works: so the law never gives energy, as it would with a damper on all of vt.
  * Reference: Cundall and Strack, Geotechnique 29 (1979) 47; the shortened spring: Luding, Granular Matter
  * 10 (2008) 235. Booked as dissipated: the work of the force less what the spring stores, |s|^2/(2 kt).
  */
@@ -73,7 +74,7 @@ CALX_KERNEL static void rub(size_t n, double k, double mu, double dt, const doub
     }
 }
 
-/* h: spring, then force, of the evaluation before. */
+/* h: force of the evaluation before. The damper is before the slider, or beside both if friction limits the spring alone. */
 CALX_KERNEL static void rub_damped(size_t n, struct coulomb p, double dt, const double *restrict overlap,
                                    const double *restrict vx, const double *restrict vy,
                                    const double *restrict vz, const double *restrict inverse_mass,
@@ -83,21 +84,21 @@ CALX_KERNEL static void rub_damped(size_t n, struct coulomb p, double dt, const 
                                    double *restrict hy, double *restrict hz)
 {
     for (size_t c = 0; c < n; c++) {
-        double k = p.stiffness, ct = damping(&p, inverse_mass[c]), touch = overlap[c] > 0 ? 1 : 0;
-        double limit = touch * p.friction * fabs(normal_force[c]);
-        double dx = touch * ct * vx[c], dy = touch * ct * vy[c], dz = touch * ct * vz[c];
-        double x = sx[c] - k * vx[c] * dt, y = sy[c] - k * vy[c] * dt, z = sz[c] - k * vz[c] * dt;
-        double spring = shorten(x * x + y * y + z * z, p.cap > 0 ? limit : INFINITY) * touch;
-        x = spring * x - dx, y = spring * y - dy, z = spring * z - dz;
-        double all = shorten(x * x + y * y + z * z, p.cap > 0 ? INFINITY : limit);
-        x *= all, y *= all, z *= all;
+        double touch = overlap[c] > 0 ? 1 : 0, ct = damping(&p, inverse_mass[c]) * touch;
+        double limited = p.cap > 0 ? 0 : ct, beside = p.cap > 0 ? ct : 0;
+        double pace = p.stiffness * dt + limited, part = limited > 0 ? p.stiffness * dt / pace : 1;
+        double x = sx[c] - pace * vx[c], y = sy[c] - pace * vy[c], z = sz[c] - pace * vz[c];
+        double share = shorten(x * x + y * y + z * z, touch * p.friction * fabs(normal_force[c]));
+        x *= share, y *= share, z *= share;
+        double nx = touch * (sx[c] - part * (sx[c] - x)), ny = touch * (sy[c] - part * (sy[c] - y)),
+               nz = touch * (sz[c] - part * (sz[c] - z));
+        x -= beside * vx[c], y -= beside * vy[c], z -= beside * vz[c];
         fx[c] += x, fy[c] += y, fz[c] += z;
         double done = ((hx[c] + x) * vx[c] + (hy[c] + y) * vy[c] + (hz[c] + z) * vz[c]) * dt;
+        double stored = (nx + sx[c]) * (nx - sx[c]) + (ny + sy[c]) * (ny - sy[c]) + (nz + sz[c]) * (nz - sz[c]);
+        work[c] -= 0.5 * (done + stored / p.stiffness);
+        sx[c] = nx, sy[c] = ny, sz[c] = nz;
         hx[c] = x, hy[c] = y, hz[c] = z;
-        x += dx, y += dy, z += dz;
-        double stored = (sx[c] + x) * (x - sx[c]) + (sy[c] + y) * (y - sy[c]) + (sz[c] + z) * (z - sz[c]);
-        work[c] -= 0.5 * (done + stored / k);
-        sx[c] = x, sy[c] = y, sz[c] = z;
     }
 }
 
@@ -148,7 +149,7 @@ CALX_EXPORT const struct calx_plugin calx_plugin = {
     .name = "coulomb",
     .summary = "tangential spring with friction",
     .reference = "Cundall and Strack, Geotechnique 29 (1979) 47; Luding, Granular Matter 10 (2008) 235",
-    .equation = "ds = -k_t vt dt;  ft = s - c_t vt, |ft| <= mu |fn|;  c_t = gamma_t m* + c_t",
+    .equation = "ds = -k_t w dt;  ft = s - c_t w, |ft| <= mu |fn|;  w = vt while it sticks;  c_t = gamma_t m* + c_t",
     .parameter_count = sizeof parameters / sizeof *parameters,
     .parameters = parameters,
     .params_size = sizeof(struct coulomb),

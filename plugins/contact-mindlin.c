@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * Contact law "mindlin": tangential force of elastic spheres without partial slip, with friction.
- * The spring force s is history and grows by increments, ds = -kt vt dt with kt = 8 G* sqrt(R* d); it is not
- * rescaled when the overlap changes. The force is s - ct vt, at most mu times the normal force; when it slips,
- * the spring is shortened so that both together are at the limit. Reference: Mindlin, J. Appl. Mech. 16 (1949) 259; the damping:
- * Tsuji, Tanaka and Ishida, Powder Technology 71 (1992) 239. The spring stores |s|^2/(2 kt) with the kt of the moment, and what
- * the work of the force does not explain of it is booked as dissipated.
+ * The spring force s is history and grows by increments, ds = -kt w dt with kt = 8 G* sqrt(R* d); it is not
+ * rescaled when the overlap changes. The force is s - ct w, at most mu times the normal force. While it sticks, w is the
+ * tangential velocity vt; when it slips, w is what brings spring and damper together to the limit, and vt - w is the slip.
+ * Reference: Mindlin, J. Appl. Mech. 16 (1949) 259; damping: Tsuji, Tanaka and Ishida, Powder Technology 71 (1992) 239. The spring
+ * stores |s|^2/(2 kt) with the kt of the moment, and what the work of the force does not explain of it is booked as dissipated.
  */
 #include <math.h>
 #include <stdio.h>
@@ -68,18 +68,17 @@ CALX_KERNEL static void rub(size_t n, struct mindlin p, double dt, const double 
 {
     for (size_t c = 0; c < n; c++) {
         double kt = stiffness(&p, overlap[c], k1[c], k2[c]), ct = damping(&p, kt, inverse_mass[c]);
-        double dx = ct * vx[c], dy = ct * vy[c], dz = ct * vz[c];
-        double x = sx[c] - kt * vx[c] * dt - dx, y = sy[c] - kt * vy[c] * dt - dy, z = sz[c] - kt * vz[c] * dt - dz;
-        double limit = overlap[c] > 0 ? p.friction * fabs(normal_force[c]) : 0, f2 = x * x + y * y + z * z;
+        double pace = kt * dt + ct, part = ct > 0 ? kt * dt / pace : 1;
+        double x = sx[c] - pace * vx[c], y = sy[c] - pace * vy[c], z = sz[c] - pace * vz[c];
+        double limit = kt > 0 ? p.friction * fabs(normal_force[c]) : 0, f2 = x * x + y * y + z * z;
         double share = f2 > limit * limit ? limit / sqrt(f2) : 1;
         x *= share, y *= share, z *= share;
         fx[c] += x, fy[c] += y, fz[c] += z;
         double done = ((hx[c] + x) * vx[c] + (hy[c] + y) * vy[c] + (hz[c] + z) * vz[c]) * dt;
-        hx[c] = x, hy[c] = y, hz[c] = z;
-        x += dx, y += dy, z += dz;
-        sx[c] = x, sy[c] = y, sz[c] = z;
-        double stored = kt > 0 ? 0.5 * (x * x + y * y + z * z) / kt : 0;
+        sx[c] -= part * (sx[c] - x), sy[c] -= part * (sy[c] - y), sz[c] -= part * (sz[c] - z);
+        double s2 = sx[c] * sx[c] + sy[c] * sy[c] + sz[c] * sz[c], stored = kt > 0 ? 0.5 * s2 / kt : 0;
         work[c] -= 0.5 * done + (stored - e[c]);
+        hx[c] = x, hy[c] = y, hz[c] = z;
         e[c] = stored;
     }
 }
@@ -134,7 +133,7 @@ CALX_EXPORT const struct calx_plugin calx_plugin = {
     .name = "mindlin",
     .summary = "tangential force of elastic spheres, with friction",
     .reference = "Mindlin, J. Appl. Mech. 16 (1949) 259; Tsuji, Tanaka and Ishida, Powder Technology 71 (1992) 239",
-    .equation = "ds = -kt vt dt, kt = 8 G* sqrt(R* d);  ft = s - ct vt, |ft| <= mu |fn|;\n"
+    .equation = "ds = -kt w dt, kt = 8 G* sqrt(R* d);  ft = s - ct w, |ft| <= mu |fn|;  w = vt while it sticks;\n"
                 "1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, G = E/(2 (1 + nu));  ct = 2 sqrt(5/6) b sqrt(kt m*)",
     .parameter_count = sizeof parameters / sizeof *parameters,
     .parameters = parameters,
