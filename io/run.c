@@ -79,11 +79,24 @@ static int resume(struct calx_run *run, bool *resumed, struct calx_error *error)
 
 /* ---- records ---------------------------------------------------------------------------------------------- */
 
+/* What an earlier run left must not be taken for this one's, should this one be killed before its first frame. */
+static void remove_leftovers(const struct calx_run *run)
+{
+    char path[4096];
+    unlink(run->restart_path);
+    snprintf(path, sizeof path, "%s.bak", run->restart_path);
+    unlink(path);
+    snprintf(path, sizeof path, "%s/%s_failed.vtu", run->folder, run->name);
+    unlink(path);
+}
+
 static int open_output(struct calx_run *run, bool resumed, struct calx_error *error)
 {
     char *path = NULL;
     struct calx_table_column *columns = calloc(run->column_count, sizeof *columns);
     const struct calx_output *output = &run->scene->output;
+    if (!resumed)
+        remove_leftovers(run);
     run->series = resumed ? calx_series_resume(run->folder, run->name, output, run->scheduled_frame, error)
                           : calx_series_create(run->folder, run->name, output, error);
     int length = columns ? asprintf(&path, "%s/%s.csv", run->folder, run->name) : -1;
@@ -209,6 +222,17 @@ static int step_to_the_end(struct calx_run *run, struct calx_error *error)
     return CALX_OK;
 }
 
+static void announce_run(struct calx_run *run, bool resumed)
+{
+    const char *title = run->scene->title;
+    if (resumed)
+        calx_terminal_say(&run->terminal, "resumed at t = %.6g s, step %lld", calx_sim_time(run->sim),
+                          (long long)run->first_step);
+    else
+        calx_terminal_say(&run->terminal, "%s: %zu particles, step %.3g s", title && *title ? title : run->name,
+                          calx_sim_particle_count(run->sim), calx_sim_dt(run->sim));
+}
+
 int calx_run_go(struct calx_run *run, struct calx_error *error)
 {
     bool resumed = false;
@@ -220,10 +244,8 @@ int calx_run_go(struct calx_run *run, struct calx_error *error)
         CALX_TRY(open_output(run, resumed, error));
     calx_terminal_begin(&run->terminal, run->options.progress, run->sim);
     run->first_step = calx_sim_step_count(run->sim);
-    if (resumed)
-        calx_terminal_say(&run->terminal, "resumed at t = %.6g s, step %lld", calx_sim_time(run->sim),
-                          (long long)run->first_step);
-    else
+    announce_run(run, resumed);
+    if (!resumed)
         CALX_TRY(record(run, FRAME | ROW | JUDGE | SCHEDULED, calx_sim_time(run->sim), calx_sim_stage(run->sim), error));
     int code = step_to_the_end(run, error);
     calx_terminal_end(&run->terminal, run->sim);
