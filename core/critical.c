@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * The critical step of a plan: the integrator's limit on omega*dt over the fastest frequency of a pair of bodies, taken from
+ * the tangent stiffness and damping that the laws report at the deepest overlap the scene can be expected to reach
+ * (its elastic energy equals the kinetic energy of the fastest approach).
+ * omega^2 = k/m*; tangential: k_t (1 + m R^2/I)/m*; damping of ratio b shortens the limit by sqrt(1 + b^2) - b.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "core/columns.h"
+
+struct pair_case {
+    size_t type;
+    double radius[2], mass[2]; /* radius 0, mass infinite: a wall */
+    const char *name[2];
+};
+
+/* The fastest approach to expect: the fastest bodies, and a fall through the scene. */
+static double expected_speed(const struct calx_scene *scene)
+{
+    static const double nowhere[3];
+    double speed = 0.0, fall = 0.0, lo[3], hi[3], g2 = 0.0, extent2 = 0.0;
+    const struct calx_particles *p = &scene->particles;
+    for (size_t i = 0; i < p->count; i++) {
+        double v2 = 0.0;
+        for (int k = 0; k < 3; k++) {
+            v2 += p->velocity ? p->velocity[i][k] * p->velocity[i][k] : 0.0;
+            lo[k] = i ? fmin(lo[k], p->position[i][k]) : p->position[i][k];
+            hi[k] = i ? fmax(hi[k], p->position[i][k]) : p->position[i][k];
+        }
+        speed = fmax(speed, sqrt(v2));
+    }
+    for (int k = 0; k < 3 && p->count; k++) {
+        double g = calx_evaluate(&scene->stages[0].gravity[k], 0.0, nowhere);
+        g2 += g * g;
+        extent2 += (hi[k] - lo[k] + 4.0 * p->radius[0]) * (hi[k] - lo[k] + 4.0 * p->radius[0]);
+    }
+    fall = sqrt(2.0 * sqrt(g2) * sqrt(extent2));
+    return fmax(2.0 * speed, fall);
+}
+
+static void respond(const struct calx_plan *p, const struct pair_case *c, double overlap, double *energy,
+                    double stiffness[2], double damping[2])
+{
+    static const double zero[CALX_WIDTH] = {0};
+    double depth[CALX_WIDTH] = {overlap}, inverse_mass[CALX_WIDTH], curvature[2][CALX_WIDTH], one[CALX_WIDTH];
+    double e[CALX_WIDTH] = {0}, k[2][CALX_WIDTH] = {{0}}, d[2][CALX_WIDTH] = {{0}}, h[CALX_HISTORY_MAX][CALX_WIDTH];
+    double *history[CALX_HISTORY_MAX], scratch[8][CALX_WIDTH] = {{0}}, warm[CALX_WIDTH];
+    memset(h, 0, sizeof h);
+    for (size_t q = 0; q < CALX_HISTORY_MAX; q++)
+        history[q] = h[q];
+    for (size_t q = 0; q < CALX_WIDTH; q++) {
+        inverse_mass[q] = 1.0 / c->mass[0] + 1.0 / c->mass[1];
+        for (int b = 0; b < 2; b++)
+            curvature[b][q] = c->radius[b] > 0.0 ? 1.0 / c->radius[b] : 0.0;
+        one[q] = 1.0;
+        warm[q] = 293.15;
+    }
+    struct calx_contacts batch = {.size = sizeof batch, .n = 1, .overlap = depth, .normal = {one, zero, zero},
+        .vn = zero, .vt = {zero, zero, zero}, .spin = {zero, zero, zero}, .inverse_mass = inverse_mass,
+        .curvature = {curvature[0], curvature[1]}, .temperature = {warm, warm}, .coulomb = scratch[0],
+        .fn = scratch[0], .ft = {scratch[1], scratch[2], scratch[3]},
+        .torque = {scratch[4], scratch[5], scratch[6]}, .work = scratch[7], .history = history};
+    struct calx_response out = {.size = sizeof out, .energy = e, .stiffness = {k[0], k[1]}, .damping = {d[0], d[1]}};
+    for (size_t l = 0; l < p->law_count; l++)
+        p->laws[l].law->response(p->laws[l].params + p->laws[l].plugin->params_size * c->type, &batch, &out);
+    *energy = e[0];
+    for (int q = 0; q < 2; q++) {
+        stiffness[q] = k[q][0];
+        damping[q] = d[q][0];
+    }
+}
+
+/* The overlap whose elastic energy is that of an approach at `speed`, at most a quarter of the smaller radius. */
+static double deepest_overlap(const struct calx_plan *p, const struct pair_case *c, double speed)
+{
+    double reduced = 1.0 / (1.0 / c->mass[0] + 1.0 / c->mass[1]), wanted = 0.5 * reduced * speed * speed;
+    double radius = c->radius[1] > 0.0 ? fmin(c->radius[0], c->radius[1]) : c->radius[0];
+    double lo = 1e-6 * radius, hi = 0.25 * radius, k[2], d[2], energy;
+    for (int step = 0; step < 60; step++) {
+        double mid = sqrt(lo * hi);
+        respond(p, c, mid, &energy, k, d);
+        if (energy < wanted)
+            lo = mid;
+        else
+            hi = mid;
+    }
+    return hi;
+}
+
+/* The largest stable step of one pair. */
+static double pair_limit(const struct calx_scene *scene, const struct calx_plan *p, const struct pair_case *c,
+                         double speed)
+{
+    double k[2], d[2], energy, reduced = 1.0 / (1.0 / c->mass[0] + 1.0 / c->mass[1]), limit = INFINITY;
+    double lever = 1.0 + 1.0 / calx_particle_inertia_factor(scene);
+    respond(p, c, deepest_overlap(p, c, speed), &energy, k, d);
+    for (int q = 0; q < 2; q++) {
+        double effective = q && p->needs & CALX_NEEDS_ROTATION ? reduced / lever : reduced;
+        double omega = sqrt(k[q] / effective), ratio = d[q] / (2.0 * effective * omega);
+        if (omega > 0.0)
+            limit = fmin(limit, p->motion_law->stability / omega * (sqrt(1.0 + ratio * ratio) - ratio));
+    }
+    return limit;
+}
+
+/* The smallest radius of each material among particles; infinite if it has none. */
+static double smallest_radius(const struct calx_scene *scene, size_t material)
+{
+    double radius = INFINITY;
+    for (size_t i = 0; i < scene->particles.count; i++)
+        if ((size_t)scene->particles.material[i] == material)
+            radius = fmin(radius, scene->particles.radius[i]);
+    return radius;
+}
+
+static void consider(const struct calx_sim *s, struct calx_plan *p, const struct pair_case *c, double speed)
+{
+    double limit = pair_limit(s->scene, p, c, speed);
+    if (limit >= p->critical_dt)
+        return;
+    p->critical_dt = limit;
+    snprintf(p->critical_text, sizeof p->critical_text, "%s (R = %g m) against %s%s", c->name[0], c->radius[0],
+             c->radius[1] > 0.0 ? "" : "a wall of ", c->name[1]);
+}
+
+int calx_critical_step(struct calx_sim *s, struct calx_plan *p, struct calx_error *e)
+{
+    const struct calx_scene *scene = s->scene;
+    size_t n = scene->material_count;
+    double speed = expected_speed(scene);
+    (void)e;
+    p->critical_dt = INFINITY;
+    for (size_t type = 0; p->motion && p->law_count && type < n * n; type++) {
+        size_t m[2] = {type / n, type % n};
+        struct pair_case c = {.type = type};
+        for (int q = 0; q < 2; q++) {
+            c.radius[q] = smallest_radius(scene, m[q]);
+            c.mass[q] = calx_particle_mass(scene, c.radius[q], scene->materials[m[q]].density);
+            c.name[q] = scene->materials[m[q]].name;
+        }
+        if (!isfinite(c.radius[0]))
+            continue;
+        if (isfinite(c.radius[1]) && scene->particles.count > 1)
+            consider(s, p, &c, speed);
+        if (s->material_used[m[1]] & 2) {
+            c.radius[1] = 0.0;
+            c.mass[1] = INFINITY;
+            consider(s, p, &c, speed);
+        }
+    }
+    return 0;
+}

@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * The plan in plain words: what will be computed, what is left out and why, the critical step and what sets it, Biot number, memory.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "core/columns.h"
+
+static const char *yes_no(bool there)
+{
+    return there ? "yes" : "no ";
+}
+
+static void describe_models(const struct calx_plan *p, FILE *out)
+{
+    for (size_t l = 0; l < p->law_count; l++)
+        fprintf(out, "  contact        %-18s %s\n", p->laws[l].plugin->name, p->laws[l].plugin->summary);
+    if (p->conductance)
+        fprintf(out, "  conductance    %-18s %s\n", p->conductance->name, p->conductance->summary);
+    if (p->motion)
+        fprintf(out, "  motion         %-18s %s\n", p->motion->name, p->motion->summary);
+    if (p->heat)
+        fprintf(out, "  temperature    %-18s %s\n", p->heat->name, p->heat->summary);
+}
+
+static void describe_step(const struct calx_plan *p, FILE *out)
+{
+    fprintf(out, "  time step      %.4g s", p->dt);
+    if (!p->motion)
+        fprintf(out, " (bodies do not move: of the integrator of temperature)\n");
+    else if (isfinite(p->critical_dt))
+        fprintf(out, ", %.3g of the stability limit %.4g s, which %s sets (one pair; a body with many contacts "
+                "has a lower one)\n", p->dt / p->critical_dt, p->critical_dt, p->critical_text);
+    else
+        fprintf(out, " (no contact law limits it)\n");
+    if (p->heat && p->motion)
+        fprintf(out, "  heat step      %.4g s, every %lld steps of motion\n", p->heat_dt,
+                (long long)p->heat_every);
+}
+
+/* What the scene has or lacks, with the reason: one row each. */
+static void describe_features(const struct calx_sim *s, FILE *out)
+{
+    const struct calx_features *f = &s->features;
+    const struct { bool there; const char *what, *why, *why_not; } rows[] = {
+        {f->motion, "motion", "an integrator of motion is named", "no integrator of motion: bodies are frozen"},
+        {f->search, "neighbour search", "bodies can meet", "fewer than two bodies, or nothing acts between them"},
+        {f->wall_contacts, "wall contacts", "walls are within reach of bodies", "no walls, or nothing acts on contact"},
+        {f->rotation, "rotation", "a tangential or rolling law needs it", "no law exerts a torque"},
+        {f->history, "contact history", "a law keeps something while a contact lasts", "no law keeps anything"},
+        {f->temperature, "temperature", "a conductance or an integrator of temperature is named", "no conductance"},
+        {f->heat_network, "heat network", "the integrator of temperature solves for all bodies at once",
+         "heat flows are summed per body"},
+        {f->periodic, "periodic images", "an axis is periodic", "no axis is periodic"},
+        {f->dimension == 3, "third axis", "the scene has three dimensions", "plane scene: z and two of three spins stay 0"},
+    };
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++)
+        fprintf(out, "  %s %-17s %s\n", yes_no(rows[k].there), rows[k].what,
+                rows[k].there ? rows[k].why : rows[k].why_not);
+    if (f->history)
+        fprintf(out, "      %zu numbers kept per touching pair\n", f->history_columns);
+}
+
+/* The largest Biot number H/(k pi R) of a contact now. */
+struct biot {
+    const struct calx_sim *s;
+    double largest;
+};
+
+static void take_biot(void *context, const struct calx_columns *c, size_t lane, int32_t row_i, int32_t row_j)
+{
+    struct biot *b = context;
+    double k = calx_plan_material_value(b->s->scene, (size_t)b->s->r.material[row_i], "conductivity");
+    double bi = c->conductance[lane] * c->curvature[0][lane] / (M_PI * k);
+    (void)row_j;
+    b->largest = bi > b->largest ? bi : b->largest;
+}
+
+static void describe_biot(struct calx_sim *s, FILE *out)
+{
+    struct biot b = {s, 0.0};
+    struct calx_sink sink = {&b, take_biot};
+    if (!s->plan->conductance)
+        return;
+    for (size_t k = 0; k < s->block_count; k++)
+        s->engine->block_network(s, k, &sink);
+    if (b.largest > 0.0)
+        fprintf(out, "  Biot number    %.3g at most now (H/(k pi R))%s\n", b.largest,
+                b.largest > 0.1 ? ": WARNING, above 0.1 one temperature per body is a poor picture" : "");
+    else
+        fprintf(out, "  Biot number    no contact yet\n");
+}
+
+void calx_sim_describe(const struct calx_sim *sim, FILE *out)
+{
+    struct calx_sim *s = (struct calx_sim *)sim; /* looking at contacts refreshes ghosts, nothing else */
+    const struct calx_scene *scene = s->scene;
+    const char *isa;
+    calx_engine_pick(&isa);
+    fprintf(out, "%s\n", scene->title ? scene->title : scene->file);
+    fprintf(out, "  %zu %s in %uD, %zu walls of %zu primitives, %zu materials, %zu stages\n", s->n,
+            scene->bodies == CALX_DISCS ? "discs" : "spheres", scene->dimension, scene->wall_count,
+            s->primitive_count, scene->material_count, scene->stage_count);
+    for (size_t k = 0; k < s->plan_count; k++) {
+        if (s->plan_count > 1)
+            fprintf(out, "models %zu of %zu\n", k + 1, s->plan_count);
+        describe_models(&s->plans[k], out);
+        describe_step(&s->plans[k], out);
+    }
+    describe_biot(s, out);
+    fprintf(out, "computed\n");
+    describe_features(s, out);
+    struct calx_features f = calx_sim_features(s);
+    fprintf(out, "memory           %.3g MB of state, %.0f bytes per particle; %d threads, %s kernels\n",
+            1e-6 * (double)f.bytes, s->n ? (double)f.bytes / (double)s->n : 0.0, s->threads, isa);
+}

@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * What must not happen, checked in each step from figures that the step already has: a state that is not finite, overlaps
+ * and displacements beyond what the method can mean; and, every so many steps, energy from nothing and bodies outside the domain.
+ * A trip stops the run with time, particles, reason and remedy.
+ */
+#include <math.h>
+#include <stdio.h>
+
+#include "core/state.h"
+
+enum { SELDOM = 256 }; /* steps between the dearer checks */
+static const double OVERLAP_BOUND = 0.5;      /* of the smaller radius */
+static const double DISPLACEMENT_BOUND = 0.5; /* of the smallest radius, per step */
+static const double ENERGY_BOUND = 0.5;       /* of the largest energy that took part */
+
+static int not_finite(const struct calx_sim *s, struct calx_error *e)
+{
+    for (size_t b = 0; b < s->block_count; b++)
+        for (int32_t row = s->blocks[b].first; row < s->blocks[b].first + s->blocks[b].own; row++) {
+            const double *a = calx_row_a(s, row), *x = calx_row_x(s, row);
+            if (!isfinite(a[0] + a[1] + a[2]))
+                return calx_error_set(e, CALX_ERROR_PHYSICS,
+                    "at t = %g s the force on particle %lld at (%g, %g, %g) m is not finite. The step is probably too "
+                    "long for this stiffness: dt = %g s, stability limit %g s; reduce dt", s->time,
+                    (long long)s->r.id[row], x[0], x[1], x[2], s->plan->dt, s->plan->critical_dt);
+        }
+    return 0;
+}
+
+static int too_deep(const struct calx_sim *s, const struct calx_tally *t, struct calx_error *e)
+{
+    char partner[80];
+    int32_t j = t->overlap_rows[1];
+    if (j < 0)
+        snprintf(partner, sizeof partner, "wall '%s'", s->scene->walls[-1 - j].name);
+    else
+        snprintf(partner, sizeof partner, "particle %lld",
+                 (long long)s->r.id[j >= 0 && s->r.source && s->r.source[j] ? s->r.source[j] : j]);
+    return calx_error_set(e, CALX_ERROR_PHYSICS,
+        "at t = %g s particle %lld overlaps %s by %.0f %% of the smaller radius. The contact is too soft for the forces on "
+        "it, or bodies overlap at the start: raise the stiffness, lower the speeds, or start without overlap", s->time,
+        (long long)s->r.id[t->overlap_rows[0]], partner, 100.0 * t->overlap);
+}
+
+static int too_fast(const struct calx_sim *s, struct calx_error *e)
+{
+    int32_t fastest = s->block_count ? s->blocks[0].first : 0;
+    double largest = -1.0;
+    for (size_t b = 0; b < s->block_count; b++)
+        for (int32_t row = s->blocks[b].first; row < s->blocks[b].first + s->blocks[b].own; row++) {
+            const double *v = calx_row_v(s, row);
+            double speed2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+            fastest = speed2 > largest ? row : fastest;
+            largest = speed2 > largest ? speed2 : largest;
+        }
+    return calx_error_set(e, CALX_ERROR_PHYSICS,
+        "at t = %g s particle %lld moves %g m in one step, more than half the smallest radius (%g m): it could pass through a "
+        "wall unseen. Reduce dt below %.2g s, or look for what accelerates it", s->time, (long long)s->r.id[fastest],
+        s->speed * s->plan->dt, s->radius_min, 0.1 * s->radius_min / s->speed);
+}
+
+static int energy_created(struct calx_sim *s, struct calx_error *e)
+{
+    struct calx_ledger l = calx_sim_ledger(s);
+    if (!(l.residual > ENERGY_BOUND * l.scale))
+        return 0;
+    return calx_error_set(e, CALX_ERROR_PHYSICS,
+        "at t = %g s energy came from nothing: %g J more than went in, of %g J that took part. The step is too long for the "
+        "stiffness or damping (dt = %g s, stability limit of one pair %g s, less in a dense packing): reduce dt", s->time,
+        l.residual, l.scale, s->plan->dt, s->plan->critical_dt);
+}
+
+static int outside(const struct calx_sim *s, struct calx_error *e)
+{
+    const struct calx_scene *scene = s->scene;
+    for (size_t b = 0; b < s->block_count; b++)
+        for (int32_t row = s->blocks[b].first; row < s->blocks[b].first + s->blocks[b].own; row++)
+            for (int k = 0; k < 3; k++) {
+                double x = calx_row_x(s, row)[k];
+                if (scene->bounded[k] && !scene->periodic[k] && (x < scene->low[k] || x > scene->high[k]))
+                    return calx_guard_left(s, row, k, e);
+            }
+    return 0;
+}
+
+int calx_guard_left(const struct calx_sim *s, int32_t row, int axis, struct calx_error *e)
+{
+    const double *x = calx_row_x(s, row);
+    return calx_error_set(e, CALX_ERROR_PHYSICS,
+        "at t = %g s particle %lld left the domain along %c: its centre is at (%g, %g, %g) m, the domain reaches from "
+        "%g to %g m. Close the walls there, make <domain> larger, or reduce the time step if it was thrown out",
+        s->time, (long long)s->r.id[row], "xyz"[axis], x[0], x[1], x[2], s->scene->low[axis],
+        s->scene->high[axis]);
+}
+
+int calx_guard_step(struct calx_sim *s, struct calx_error *e)
+{
+    for (size_t b = 0; b < s->block_count; b++)
+        if (isnan(s->tallies[b].finite))
+            return not_finite(s, e);
+    if (!s->plan->motion)
+        return 0;
+    for (size_t b = 0; b < s->block_count; b++)
+        if (s->tallies[b].overlap > OVERLAP_BOUND)
+            return too_deep(s, &s->tallies[b], e);
+    if (s->speed * s->plan->dt > DISPLACEMENT_BOUND * s->radius_min && s->features.contacts)
+        return too_fast(s, e);
+    if (s->step % SELDOM)
+        return 0;
+    CALX_TRY(outside(s, e));
+    return energy_created(s, e);
+}

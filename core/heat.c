@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * One step of the integrator of temperature: staged, from the heat flows in the rows; or global, from the network of conductances that
+ * the contact pass left, gathered in block order so that sums have a fixed order.
+ * Source: m c dT/dt = sum H (T_j - T_i) + dissipation.
+ */
+#include <stdlib.h>
+
+#include "core/state.h"
+
+static int32_t place_of_row(const struct calx_sim *s, int32_t row)
+{
+    size_t lo = 0, hi = s->block_count;
+    while (hi - lo > 1) {
+        size_t mid = (lo + hi) / 2;
+        if (s->blocks[mid].first <= row)
+            lo = mid;
+        else
+            hi = mid;
+    }
+    return (int32_t)(lo * CALX_BLOCK) + row - s->blocks[lo].first;
+}
+
+static void release_store(struct calx_sim *s, const struct calx_row_block *b)
+{
+    for (int32_t row = b->first; s->r.heat_store && row < b->first + b->own; row++) {
+        calx_row_a(s, row)[7] += s->r.heat_store[row] / s->plan->heat_dt;
+        s->r.heat_store[row] = 0.0;
+    }
+}
+
+static void keep_store(struct calx_sim *s)
+{
+    for (size_t b = 0; b < s->block_count; b++)
+        for (int32_t k = 0; k < s->blocks[b].own; k++) {
+            int32_t row = s->blocks[b].first + k;
+            s->r.heat_store[row] += calx_row_a(s, row)[7] * s->plan->dt;
+        }
+}
+
+static void step_staged(struct calx_sim *s)
+{
+    const struct calx_plan *p = s->plan;
+#pragma omp parallel for schedule(static) num_threads(s->threads)
+    for (size_t b = 0; b < s->block_count; b++) {
+        const struct calx_row_block *block = &s->blocks[b];
+        release_store(s, block);
+        p->heat_law->advance(p->heat_params, (size_t)block->own, p->heat_dt,
+                             calx_row_v(s, block->first) + 7, s->r.stride,
+                             calx_row_a(s, block->first) + 7, s->r.stride,
+                             s->r.inverse_capacity + block->first);
+    }
+    for (size_t b = 0; b < s->block_count; b++)
+        s->wall_heat += (long double)s->tallies[b].wall_heat * (long double)p->heat_dt;
+}
+
+/* Arrays of the network, compact: node k is the k-th particle in order. */
+struct network_arrays {
+    double *temperature, *capacity, *source, *h, *bh, *bt, *heat;
+    int32_t *i, *j, *bi;
+};
+
+static int allocate(const struct calx_sim *s, struct network_arrays *a, size_t edges, size_t boundaries)
+{
+    a->temperature = malloc((s->n + 1) * sizeof(double));
+    a->capacity = malloc((s->n + 1) * sizeof(double));
+    a->source = malloc((s->n + 1) * sizeof(double));
+    a->h = malloc((edges + 1) * sizeof(double));
+    a->i = malloc((edges + 1) * sizeof(int32_t));
+    a->j = malloc((edges + 1) * sizeof(int32_t));
+    a->bh = malloc((boundaries + 1) * sizeof(double));
+    a->bt = malloc((boundaries + 1) * sizeof(double));
+    a->heat = calloc(boundaries + 1, sizeof(double));
+    a->bi = malloc((boundaries + 1) * sizeof(int32_t));
+    return !a->temperature || !a->capacity || !a->source || !a->h || !a->i || !a->j || !a->bh || !a->bt ||
+           !a->heat || !a->bi;
+}
+
+static void release(struct network_arrays *a)
+{
+    void *all[] = {a->temperature, a->capacity, a->source, a->h, a->i, a->j, a->bh, a->bt, a->heat, a->bi};
+    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
+        free(all[k]);
+}
+
+static void fill_nodes(struct calx_sim *s, struct network_arrays *a)
+{
+    size_t k = 0;
+    for (size_t b = 0; b < s->block_count; b++) {
+        release_store(s, &s->blocks[b]);
+        for (int32_t row = s->blocks[b].first; row < s->blocks[b].first + s->blocks[b].own; row++, k++) {
+            a->temperature[k] = calx_row_v(s, row)[7];
+            a->capacity[k] = 1.0 / s->r.inverse_capacity[row];
+            a->source[k] = calx_row_a(s, row)[7];
+        }
+    }
+}
+
+static void fill_edges(const struct calx_sim *s, struct network_arrays *a)
+{
+    size_t e = 0, w = 0;
+    for (size_t b = 0; b < s->block_count; b++) {
+        size_t first = s->groups[s->blocks[b].group_first].first, near = s->blocks[b].near_first;
+        for (size_t k = first; k < first + s->tallies[b].edges; k++, e++) {
+            a->i[e] = place_of_row(s, s->edge_i[k]);
+            a->j[e] = place_of_row(s, s->edge_j[k]);
+            a->h[e] = s->edge_h[k];
+        }
+        for (size_t k = near; k < near + s->tallies[b].boundaries; k++, w++) {
+            a->bi[w] = place_of_row(s, s->boundary_i[k]);
+            a->bh[w] = s->boundary_h[k];
+            a->bt[w] = s->boundary_t[k];
+        }
+    }
+}
+
+static void take_temperatures(struct calx_sim *s, const struct network_arrays *a, size_t boundaries)
+{
+    size_t k = 0;
+    for (size_t b = 0; b < s->block_count; b++)
+        for (int32_t row = s->blocks[b].first; row < s->blocks[b].first + s->blocks[b].own; row++, k++)
+            calx_row_v(s, row)[7] = a->temperature[k];
+    for (size_t w = 0; w < boundaries; w++)
+        s->wall_heat += a->heat[w];
+}
+
+static int step_global(struct calx_sim *s, struct calx_error *e)
+{
+    const struct calx_plan *p = s->plan;
+    struct network_arrays a = {0};
+    size_t edges = 0, boundaries = 0;
+    for (size_t b = 0; b < s->block_count; b++) {
+        edges += s->tallies[b].edges;
+        boundaries += s->tallies[b].boundaries;
+    }
+    if (allocate(s, &a, edges, boundaries)) {
+        release(&a);
+        return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for %zu thermal contacts", edges);
+    }
+    fill_nodes(s, &a);
+    fill_edges(s, &a);
+    struct calx_network net = {.size = sizeof net, .n = s->n, .dt = p->heat_dt, .temperature = a.temperature,
+                               .capacity = a.capacity, .source = a.source, .edges = edges, .edge = {a.i, a.j},
+                               .edge_conductance = a.h, .boundaries = boundaries, .boundary = a.bi,
+                               .boundary_conductance = a.bh, .boundary_temperature = a.bt,
+                               .boundary_heat = a.heat};
+    char why[256] = "";
+    int failed = p->heat_law->solve(p->heat_params, &net, why, sizeof why);
+    if (!failed)
+        take_temperatures(s, &a, boundaries);
+    release(&a);
+    if (failed)
+        return calx_error_set(e, CALX_ERROR_PHYSICS, "at t = %g s the integrator of temperature %s failed: %s",
+                              s->time, p->heat->name, why);
+    return 0;
+}
+
+int calx_heat_step(struct calx_sim *s, struct calx_error *e)
+{
+    if (!s->plan->heat_law)
+        return 0;
+    if (s->stage_step % s->plan->heat_every) {
+        if (s->scene->from_dissipation > 0.0)
+            keep_store(s);
+        return 0;
+    }
+    if (s->plan->global_heat)
+        return step_global(s, e);
+    step_staged(s);
+    return 0;
+}

@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Runs the stages of the integrator of motion over the rows of each block, and, between, turns the collected forces into accelerations:
+ * a = F/m + g, angular a = torque/I. A fixed body has 1/m = 0 and does not accelerate.
+ */
+#include <math.h>
+
+#include "core/state.h"
+#include "core/vector.h"
+
+static struct calx_rows translation_rows(struct calx_sim *s, const struct calx_row_block *b, double **extra)
+{
+    double dt = s->plan->dt;
+    for (size_t k = 0; k < CALX_EXTRA_MAX; k++)
+        extra[k] = s->r.extra[k] ? s->r.extra[k] + 4 * (size_t)b->first : NULL;
+    return (struct calx_rows){.size = sizeof(struct calx_rows), .n = (size_t)b->own, .stride = s->r.stride,
+                              .dt = {dt, dt, s->scene->dimension == 3 ? dt : 0.0, 0.0},
+                              .x = calx_row_x(s, b->first), .v = calx_row_v(s, b->first),
+                              .a = calx_row_a(s, b->first), .extra = extra};
+}
+
+static struct calx_rows rotation_rows(struct calx_sim *s, const struct calx_row_block *b, double **extra)
+{
+    double dt = s->plan->dt, in_plane = s->scene->dimension == 3 ? dt : 0.0;
+    for (size_t k = 0; k < CALX_EXTRA_MAX; k++)
+        extra[k] = s->r.extra[CALX_EXTRA_MAX + k] ? s->r.extra[CALX_EXTRA_MAX + k] + 4 * (size_t)b->first
+                                                  : NULL;
+    return (struct calx_rows){.size = sizeof(struct calx_rows), .n = (size_t)b->own, .stride = s->r.stride,
+                              .dt = {in_plane, in_plane, dt, 0.0}, .v = calx_row_v(s, b->first) + 4,
+                              .a = calx_row_a(s, b->first) + 4, .extra = extra};
+}
+
+static double largest_speed2(const struct calx_sim *s, const struct calx_row_block *b)
+{
+    double largest = 0.0;
+    const double *v = calx_row_v(s, b->first);
+    for (size_t i = 0; i < (size_t)b->own; i++, v += s->r.stride) {
+        double speed2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        largest = speed2 > largest ? speed2 : largest;
+    }
+    return largest;
+}
+
+void calx_integrate_before(struct calx_sim *s, size_t stage)
+{
+    const struct calx_motion_integrator *law = s->plan->motion_law;
+    const void *params = s->plan->motion_params;
+    double largest = 0.0;
+#pragma omp parallel for schedule(static) num_threads(s->threads) reduction(max : largest)
+    for (size_t b = 0; b < s->block_count; b++) {
+        double *extra[CALX_EXTRA_MAX];
+        struct calx_rows rows = translation_rows(s, &s->blocks[b], extra);
+        if (law->translation[stage].before)
+            law->translation[stage].before(params, &rows);
+        if (s->features.rotation && law->rotation[stage].before) {
+            rows = rotation_rows(s, &s->blocks[b], extra);
+            law->rotation[stage].before(params, &rows);
+        }
+        double speed2 = largest_speed2(s, &s->blocks[b]);
+        largest = speed2 > largest ? speed2 : largest;
+    }
+    s->speed = sqrt(largest);
+    s->drift += s->speed * s->plan->dt;
+}
+
+static void collect_ghosts(struct calx_sim *s, const struct calx_row_block *b)
+{
+    for (size_t k = b->collect_first; k < b->collect_first + b->collect_count; k++) {
+        double *to = calx_row_a(s, s->collect_to[k]);
+        const double *from = calx_row_a(s, s->collect_from[k]);
+        for (size_t lane = 0; lane < s->r.stride; lane += 4)
+            calx_v4_add(to + lane, calx_v4_load(from + lane));
+    }
+}
+
+static void accelerate(struct calx_sim *s, struct calx_row_block *b)
+{
+    double inertia = 1.0 / calx_particle_inertia_factor(s->scene), finite = 0.0;
+    double g[3] = {s->gravity[0], s->gravity[1], s->gravity[2]};
+    for (int32_t i = b->first; i < b->first + b->own; i++) {
+        double *a = calx_row_a(s, i), inverse_mass = calx_row_v(s, i)[3];
+        double free = inverse_mass > 0.0 ? 1.0 : 0.0;
+        for (int k = 0; k < 3; k++)
+            a[k] = inverse_mass * a[k] + free * g[k];
+        finite += 0.0 * (a[0] + a[1] + a[2]);
+        if (!s->features.rotation)
+            continue;
+        double radius = calx_row_x(s, i)[3], inverse_inertia = inertia * inverse_mass / (radius * radius);
+        for (int k = 4; k < 7; k++)
+            a[k] *= inverse_inertia;
+    }
+    s->tallies[b - s->blocks].finite = finite;
+}
+
+void calx_integrate_collect(struct calx_sim *s)
+{
+#pragma omp parallel for schedule(static) num_threads(s->threads)
+    for (size_t b = 0; b < s->block_count; b++) {
+        collect_ghosts(s, &s->blocks[b]);
+        accelerate(s, &s->blocks[b]);
+    }
+}
+
+void calx_integrate_after(struct calx_sim *s, size_t stage)
+{
+    const struct calx_motion_integrator *law = s->plan->motion_law;
+    const void *params = s->plan->motion_params;
+#pragma omp parallel for schedule(static) num_threads(s->threads)
+    for (size_t b = 0; b < s->block_count; b++) {
+        double *extra[CALX_EXTRA_MAX];
+        struct calx_rows rows = translation_rows(s, &s->blocks[b], extra);
+        if (law->translation[stage].after)
+            law->translation[stage].after(params, &rows);
+        if (s->features.rotation && law->rotation[stage].after) {
+            rows = rotation_rows(s, &s->blocks[b], extra);
+            law->rotation[stage].after(params, &rows);
+        }
+    }
+}

@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * History moves with the pair: before the lists are replaced, the pairs that touch are listed under the new place of their
+ * earlier particle (counting sort); each new pair then looks through that short list. Vectors change sign with the pair's orientation.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/neighbours.h"
+
+/* The new place of a block-local row of the old layout. */
+static int32_t place_of(const struct calx_rebuild *r, const struct calx_row_block *b, int32_t local)
+{
+    int32_t row = b->first + local;
+    return r->new_place[local >= b->own ? r->sim->r.source[row] : row];
+}
+
+/* Counts, or fills in, each old pair that touches under its earlier particle. */
+static void each_kept(const struct calx_rebuild *r, bool fill)
+{
+    const struct calx_sim *s = r->sim;
+    for (size_t b = 0; b < s->block_count; b++)
+        for (size_t g = 0; g < s->blocks[b].group_count; g++) {
+            const struct calx_group *group = &s->groups[s->blocks[b].group_first + g];
+            for (size_t k = group->first; k < group->first + group->count; k++) {
+                if (!s->pairs.touching[k])
+                    continue;
+                int32_t i = place_of(r, &s->blocks[b], s->pairs.i[k]);
+                int32_t j = place_of(r, &s->blocks[b], s->pairs.j[k]);
+                int32_t earlier = i < j ? i : j, later = i < j ? j : i;
+                if (fill)
+                    r->kept[r->kept_first[earlier + 1]++] = (struct calx_kept){later, i, k};
+                else
+                    r->kept_first[earlier + 2]++;
+            }
+        }
+}
+
+int calx_keep_collect(struct calx_rebuild *r)
+{
+    r->kept_first = calloc(r->n + 3, sizeof *r->kept_first);
+    if (!r->kept_first)
+        return 1;
+    each_kept(r, false);
+    for (size_t k = 0; k <= r->n; k++)
+        r->kept_first[k + 2] += r->kept_first[k + 1];
+    size_t total = r->kept_first[r->n + 1];
+    r->kept = malloc((total + 1) * sizeof *r->kept);
+    if (!r->kept)
+        return 1;
+    each_kept(r, true);
+    return 0;
+}
+
+static const struct calx_kept *find_kept(const struct calx_rebuild *r, int32_t earlier, int32_t later)
+{
+    for (size_t k = r->kept_first[earlier]; k < r->kept_first[earlier + 1]; k++)
+        if (r->kept[k].later == later)
+            return &r->kept[k];
+    return NULL;
+}
+
+static int32_t new_place(const struct calx_rebuild *r, size_t block, int32_t local)
+{
+    int32_t own = r->new_blocks[block].own;
+    return local < own ? (int32_t)(block * CALX_BLOCK) + local : r->local[block].ghost[local - own];
+}
+
+/* Copies the columns; a vector, three columns, changes sign with the orientation. */
+static void copy_history(const struct calx_sim *s, const double *from, double *to, double sign)
+{
+    size_t columns = s->plan->history;
+    for (size_t h = 0; h < columns; h++)
+        to[h] = from[h];
+    for (size_t h = 0; h < columns; h++)
+        if (s->plan->history_is_vector[h])
+            for (size_t k = h; k < h + 3; k++)
+                to[k] *= sign;
+}
+
+void calx_keep_apply(const struct calx_rebuild *r, size_t block)
+{
+    size_t first = r->groups[r->new_blocks[block].group_first].first;
+    size_t columns = r->sim->plan->history;
+    for (size_t k = first; k < first + r->local[block].pairs; k++) {
+        int32_t i = new_place(r, block, r->pairs.i[k]), j = new_place(r, block, r->pairs.j[k]);
+        const struct calx_kept *kept = find_kept(r, i < j ? i : j, i < j ? j : i);
+        if (!kept)
+            continue;
+        r->pairs.touching[k] = 1;
+        if (columns)
+            copy_history(r->sim, r->sim->pairs.history + columns * kept->pair,
+                         r->pairs.history + columns * k, kept->i == i ? 1.0 : -1.0);
+    }
+}

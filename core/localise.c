@@ -1,0 +1,126 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * From pairs of the whole scene to pairs of one block: partners in later blocks and periodic images become ghosts of the block, pairs are
+ * oriented so that material(i) <= material(j) and grouped by pair of materials. Order follows from the found lists alone.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/neighbours.h"
+
+/* A small open-addressing table from (place, shift) to ghost. */
+struct ghost_table {
+    size_t mask;
+    int64_t *key;
+    int32_t *slot;
+};
+
+static int table_create(struct ghost_table *t, size_t expected)
+{
+    size_t size = 64;
+    while (size < 2 * expected + 2)
+        size *= 2;
+    t->mask = size - 1;
+    t->key = malloc(size * sizeof *t->key);
+    t->slot = malloc(size * sizeof *t->slot);
+    if (!t->key || !t->slot)
+        return 1;
+    memset(t->key, 0xff, size * sizeof *t->key);
+    return 0;
+}
+
+static int32_t ghost_slot(struct ghost_table *t, struct calx_local *l, int32_t place, uint8_t shift)
+{
+    int64_t key = (int64_t)place * 32 + shift;
+    size_t at = (size_t)((uint64_t)key * 0x9e3779b97f4a7c15ull >> 20) & t->mask;
+    while (t->key[at] >= 0 && t->key[at] != key)
+        at = (at + 1) & t->mask;
+    if (t->key[at] < 0) {
+        t->key[at] = key;
+        t->slot[at] = (int32_t)l->ghosts;
+        l->ghost[l->ghosts] = place;
+        l->ghost_shift[l->ghosts++] = shift;
+    }
+    return t->slot[at];
+}
+
+static bool both_fixed(const struct calx_rebuild *r, const struct calx_found *f)
+{
+    return calx_row_v(r->sim, r->old_row[f->i])[3] <= 0.0 &&
+           calx_row_v(r->sim, r->old_row[f->j])[3] <= 0.0 && !r->sim->features.temperature;
+}
+
+struct raw_pair {
+    int32_t i, j, type;
+};
+
+/* Resolves rows and orientation; returns the number of pairs that count. */
+static size_t resolve(const struct calx_rebuild *r, size_t block, struct ghost_table *t,
+                      struct calx_local *l, struct raw_pair *raw)
+{
+    const struct calx_found_list *found = &r->found[block];
+    const int32_t *material = r->sim->r.material;
+    int32_t first = (int32_t)(block * CALX_BLOCK);
+    size_t own = r->n - (size_t)first < CALX_BLOCK ? r->n - (size_t)first : CALX_BLOCK, count = 0;
+    for (size_t k = 0; k < found->count; k++) {
+        const struct calx_found *f = &found->list[k];
+        if (both_fixed(r, f))
+            continue;
+        int32_t i = f->i - first, j = f->j - first;
+        if (f->shift != CALX_NO_SHIFT || (size_t)j >= own)
+            j = (int32_t)own + ghost_slot(t, l, f->j, f->shift);
+        int32_t mi = material[r->old_row[f->i]], mj = material[r->old_row[f->j]];
+        int32_t type = (int32_t)calx_plan_pair_type(r->sim->scene->material_count, (size_t)mi, (size_t)mj);
+        raw[count++] = mi <= mj ? (struct raw_pair){i, j, type} : (struct raw_pair){j, i, type};
+        l->type_count[type]++;
+    }
+    return count;
+}
+
+static void group_by_type(const struct calx_rebuild *r, const struct raw_pair *raw, size_t count,
+                          struct calx_local *l, size_t *at)
+{
+    size_t sum = 0;
+    for (size_t t = 0; t < r->types; t++) {
+        at[t] = sum;
+        sum += l->type_count[t];
+    }
+    for (size_t k = 0; k < count; k++) {
+        size_t to = at[raw[k].type]++;
+        l->i[to] = raw[k].i;
+        l->j[to] = raw[k].j;
+    }
+    l->pairs = count;
+}
+
+static int localise_block(const struct calx_rebuild *r, size_t block)
+{
+    struct calx_local *l = &r->local[block];
+    size_t count = r->found[block].count + 1;
+    struct ghost_table t = {0};
+    struct raw_pair *raw = malloc(count * sizeof *raw);
+    size_t *at = calloc(r->types, sizeof *at);
+    l->i = malloc(count * sizeof *l->i);
+    l->j = malloc(count * sizeof *l->j);
+    l->ghost = malloc(count * sizeof *l->ghost);
+    l->ghost_shift = malloc(count);
+    l->type_count = calloc(r->types, sizeof *l->type_count);
+    int failed = !raw || !at || !l->i || !l->j || !l->ghost || !l->ghost_shift || !l->type_count ||
+                 table_create(&t, count);
+    if (!failed)
+        group_by_type(r, raw, resolve(r, block, &t, l, raw), l, at);
+    free(t.key);
+    free(t.slot);
+    free(raw);
+    free(at);
+    return failed;
+}
+
+int calx_localise(struct calx_rebuild *r)
+{
+    int failed = 0;
+#pragma omp parallel for schedule(dynamic, 1) num_threads(r->sim->threads) reduction(| : failed)
+    for (size_t b = 0; b < r->blocks; b++)
+        failed |= localise_block(r, b);
+    return failed;
+}

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Private to core: what one rebuild of rows, blocks and lists works on.
+ */
+#ifndef CALX_NEIGHBOURS_H
+#define CALX_NEIGHBOURS_H
+
+#include "core/pairs.h"
+#include "core/state.h"
+
+/* A block's pairs with rows local to the block, and the ghosts they need. */
+struct calx_local {
+    size_t pairs, ghosts, ghost_capacity;
+    int32_t *i, *j;
+    size_t *type_count;  /* per pair type */
+    int32_t *ghost;      /* place in the order, of each ghost */
+    uint8_t *ghost_shift;
+};
+
+struct calx_rebuild {
+    struct calx_sim *sim;
+    size_t n, blocks, types;
+    int32_t *old_row;    /* by new place */
+    int32_t *new_place;  /* by old row */
+    double *x;           /* sorted positions and radii */
+    struct calx_found_list *found;
+    struct calx_local *local;
+    /* history to keep, by the new place of the earlier particle */
+    size_t *kept_first;
+    struct calx_kept { int32_t later, i; size_t pair; } *kept; /* i: new place of the old i */
+    /* what comes out */
+    struct calx_rows_arrays rows;
+    struct calx_pairs pairs;
+    struct calx_row_block *new_blocks;
+    struct calx_group *groups;
+    size_t group_count;
+};
+
+/* localise.c: turns found pairs into block-local ones. 0, or 1 without memory. */
+int calx_localise(struct calx_rebuild *);
+
+/* rows.c: allocates the arrays of a row layout, copies rows into a new order, frees. */
+int calx_rows_allocate(const struct calx_sim *, struct calx_rows_arrays *, size_t rows);
+void calx_rows_free(struct calx_rows_arrays *);
+void calx_rows_copy(struct calx_rows_arrays *to, size_t to_row, const struct calx_rows_arrays *from,
+                    size_t from_row);
+
+/* Every array that exists in this layout, with its bytes per row, for restart and memory figures. views: room for 32. */
+struct calx_row_view {
+    void *data;
+    size_t bytes;
+};
+size_t calx_rows_arrays_list(const struct calx_sim *, struct calx_rows_arrays *, struct calx_row_view *views);
+
+/* keep.c: friction and other history that moves with the pair. 0, or 1 without memory. */
+int calx_keep_collect(struct calx_rebuild *);
+void calx_keep_apply(const struct calx_rebuild *, size_t block);
+
+/* near.c: particle-wall candidates. 0, or 1 without memory. */
+int calx_near_build(struct calx_sim *, const struct calx_rebuild *);
+
+#endif

@@ -1,0 +1,284 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Pair search with one cell grid per size class, so that the cost per pair does not grow with the size ratio: a particle of radius R
+ * is in class floor(log2(R_max/R)), the cells of a class are as wide as its largest diameter plus the skin, and a
+ * particle looks into the cells around it in the grid of its own class (partners later in order) and of every coarser class (all).
+ * Reference: hierarchical grids, e.g. Ogarko and Luding, Comput. Phys. Commun. 183 (2012) 931.
+ */
+#include <float.h>
+#include <math.h>
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/pairs.h"
+
+enum { CLASSES = 24 };
+
+struct grid {
+    size_t members;
+    double reach; /* largest radius */
+    int cells[3];
+    double low[3], inverse[3];
+    int32_t *start;  /* cells + 1 */
+    int32_t *index;  /* members by cell */
+    double *row;     /* their rows of four, by cell */
+};
+
+struct search {
+    const struct calx_pairs_input *in;
+    uint8_t *class_of;
+    int classes;
+    struct grid grid[CLASSES];
+};
+
+static int size_class(double largest, double radius)
+{
+    int c = (int)floor(log2(largest / radius));
+    return c < 0 ? 0 : c >= CLASSES ? CLASSES - 1 : c;
+}
+
+static void classify(struct search *s)
+{
+    const struct calx_pairs_input *in = s->in;
+    double largest = 0.0;
+    for (size_t i = 0; i < in->n; i++)
+        largest = fmax(largest, in->x[4 * i + 3]);
+    for (size_t i = 0; i < in->n; i++) {
+        double radius = in->x[4 * i + 3];
+        int c = size_class(largest, radius);
+        s->class_of[i] = (uint8_t)c;
+        s->grid[c].members++;
+        s->grid[c].reach = fmax(s->grid[c].reach, radius);
+        s->classes = c + 1 > s->classes ? c + 1 : s->classes;
+    }
+}
+
+/* Cells at least `width` wide, no more of them than about four per particle of the search. */
+static void shape_grid(const struct search *s, struct grid *g, const double lo[3], const double hi[3])
+{
+    const struct calx_pairs_input *in = s->in;
+    double width = 2.0 * g->reach + in->skin, total;
+    do {
+        total = 1.0;
+        for (int k = 0; k < 3; k++) {
+            double length = in->periodic[k] ? in->length[k] : hi[k] - lo[k];
+            double cells = fmin(floor(length / width), 1e6);
+            g->cells[k] = cells < 1.0 ? 1 : (int)cells;
+            g->low[k] = in->periodic[k] ? in->low[k] : lo[k];
+            g->inverse[k] = length > 0.0 ? g->cells[k] / length : 0.0;
+            total *= g->cells[k];
+        }
+        width *= 1.26;
+    } while (total > 4.0 * (double)g->members + 64.0);
+}
+
+static int cell_along(const struct grid *g, int k, double x)
+{
+    int c = (int)floor((x - g->low[k]) * g->inverse[k]);
+    return c < 0 ? 0 : c >= g->cells[k] ? g->cells[k] - 1 : c;
+}
+
+static size_t cell_of(const struct grid *g, const double *x)
+{
+    return ((size_t)cell_along(g, 2, x[2]) * g->cells[1] + cell_along(g, 1, x[1])) * g->cells[0] +
+           cell_along(g, 0, x[0]);
+}
+
+static int fill_grid(const struct search *s, int c, struct grid *g)
+{
+    const struct calx_pairs_input *in = s->in;
+    size_t cells = (size_t)g->cells[0] * g->cells[1] * g->cells[2];
+    g->start = calloc(cells + 2, sizeof *g->start);
+    g->index = malloc((g->members + 1) * sizeof *g->index);
+    g->row = malloc((g->members + 1) * 4 * sizeof *g->row);
+    if (!g->start || !g->index || !g->row)
+        return 1;
+    for (size_t i = 0; i < in->n; i++)
+        if (s->class_of[i] == c)
+            g->start[cell_of(g, in->x + 4 * i) + 2]++;
+    for (size_t k = 0; k < cells; k++)
+        g->start[k + 2] += g->start[k + 1];
+    for (size_t i = 0; i < in->n; i++)
+        if (s->class_of[i] == c) {
+            int32_t at = g->start[cell_of(g, in->x + 4 * i) + 1]++;
+            g->index[at] = (int32_t)i;
+            memcpy(g->row + 4 * (size_t)at, in->x + 4 * i, 4 * sizeof(double));
+        }
+    return 0;
+}
+
+static int make_grids(struct search *s)
+{
+    const struct calx_pairs_input *in = s->in;
+    double lo[3] = {DBL_MAX, DBL_MAX, DBL_MAX}, hi[3] = {-DBL_MAX, -DBL_MAX, -DBL_MAX};
+    for (size_t i = 0; i < in->n; i++)
+        for (int k = 0; k < 3; k++) {
+            lo[k] = fmin(lo[k], in->x[4 * i + k]);
+            hi[k] = fmax(hi[k], in->x[4 * i + k]);
+        }
+    for (int c = 0; c < s->classes; c++)
+        if (s->grid[c].members) {
+            shape_grid(s, &s->grid[c], lo, hi);
+            if (fill_grid(s, c, &s->grid[c]))
+                return 1;
+        }
+    return 0;
+}
+
+static int append(struct calx_found_list *l, struct calx_found f)
+{
+    if (l->count == l->capacity) {
+        size_t capacity = l->capacity ? 2 * l->capacity : 1024;
+        struct calx_found *p = realloc(l->list, capacity * sizeof *p);
+        if (!p)
+            return 1;
+        l->list = p;
+        l->capacity = capacity;
+    }
+    l->list[l->count++] = f;
+    return 0;
+}
+
+/* Squared distance of the nearest image of b from a, and the packed shift of that image. */
+static double image_distance2(const struct calx_pairs_input *in, const double *a, const double *b,
+                              uint8_t *shift)
+{
+    static const int weight[3] = {1, 3, 9};
+    double d2 = 0.0;
+    int packed = CALX_NO_SHIFT;
+    for (int k = 0; k < 3; k++) {
+        double d = a[k] - b[k];
+        if (in->periodic[k]) {
+            double turns = nearbyint(d / in->length[k]);
+            d -= turns * in->length[k];
+            packed += weight[k] * (int)turns;
+        }
+        d2 += d * d;
+    }
+    *shift = (uint8_t)packed;
+    return d2;
+}
+
+static uint8_t opposite(uint8_t shift)
+{
+    return (uint8_t)(26 - shift);
+}
+
+/* Partners of particle i among the members first..last of a grid. */
+static int match(const struct search *s, const struct grid *g, int32_t i, bool later, int32_t first,
+                 int32_t last, struct calx_found_list *out)
+{
+    const struct calx_pairs_input *in = s->in;
+    const double *a = in->x + 4 * (size_t)i;
+    double reach = a[3] + in->skin;
+    for (int32_t m = first; m < last; m++) {
+        int32_t j = g->index[m];
+        const double *b = g->row + 4 * (size_t)m;
+        uint8_t shift;
+        double r = reach + b[3];
+        if ((later && j <= i) || image_distance2(in, a, b, &shift) >= r * r)
+            continue;
+        struct calx_found f = {i, j, shift};
+        if (j < i)
+            f = (struct calx_found){j, i, opposite(shift)};
+        if (append(out, f))
+            return 1;
+    }
+    return 0;
+}
+
+/* The cells to visit along one axis: the cell of x and its neighbours, each once. */
+static int axis_cells(const struct search *s, const struct grid *g, int k, double x, int cells[3])
+{
+    int c = cell_along(g, k, x), n = g->cells[k], count = 0;
+    for (int d = -1; d <= 1; d++) {
+        int e = c + d;
+        if (s->in->periodic[k])
+            e = (e + n) % n;
+        else if (e < 0 || e >= n)
+            continue;
+        bool seen = false;
+        for (int q = 0; q < count; q++)
+            seen |= cells[q] == e;
+        if (!seen)
+            cells[count++] = e;
+    }
+    return count;
+}
+
+static int search_grid(const struct search *s, const struct grid *g, int32_t i, bool later,
+                       struct calx_found_list *out)
+{
+    const double *a = s->in->x + 4 * (size_t)i;
+    int cx[3], cy[3], cz[3];
+    int nx = axis_cells(s, g, 0, a[0], cx), ny = axis_cells(s, g, 1, a[1], cy),
+        nz = axis_cells(s, g, 2, a[2], cz);
+    for (int z = 0; z < nz; z++)
+        for (int y = 0; y < ny; y++) {
+            size_t line = ((size_t)cz[z] * g->cells[1] + cy[y]) * g->cells[0];
+            for (int x = 0; x < nx; x++) {
+                int run = 1; /* neighbouring cells of a line are one range */
+                while (x + run < nx && cx[x + run] == cx[x] + run)
+                    run++;
+                if (match(s, g, i, later, g->start[line + cx[x]], g->start[line + cx[x] + run], out))
+                    return 1;
+                x += run - 1;
+            }
+        }
+    return 0;
+}
+
+static int search_block(const struct search *s, size_t block, struct calx_found_list *out)
+{
+    size_t first = block * s->in->block, last = first + s->in->block;
+    for (size_t i = first; i < last && i < s->in->n; i++)
+        for (int c = 0; c <= s->class_of[i]; c++)
+            if (s->grid[c].members &&
+                search_grid(s, &s->grid[c], (int32_t)i, c == s->class_of[i], out))
+                return 1;
+    return 0;
+}
+
+/* Hands pairs found by a later block to the block of their i, in the order of the finding blocks. */
+static int redistribute(size_t blocks, size_t block, struct calx_found_list *lists)
+{
+    for (size_t b = 0; b < blocks; b++) {
+        size_t kept = 0;
+        for (size_t k = 0; k < lists[b].count; k++) {
+            struct calx_found f = lists[b].list[k];
+            size_t owner = (size_t)f.i / block;
+            if (owner == b)
+                lists[b].list[kept++] = f;
+            else if (append(&lists[owner], f))
+                return 1;
+        }
+        lists[b].count = kept;
+    }
+    return 0;
+}
+
+int calx_pairs_find(const struct calx_pairs_input *in, struct calx_found_list *lists)
+{
+    struct search s = {.in = in, .class_of = malloc(in->n + 1)};
+    size_t blocks = (in->n + in->block - 1) / in->block;
+    int failed = !s.class_of;
+    if (!failed) {
+        classify(&s);
+        failed = make_grids(&s);
+    }
+    if (!failed) {
+#pragma omp parallel for schedule(dynamic, 1) num_threads(in->threads) reduction(| : failed)
+        for (size_t b = 0; b < blocks; b++)
+            failed |= search_block(&s, b, &lists[b]);
+    }
+    if (!failed && s.classes > 1)
+        failed = redistribute(blocks, in->block, lists);
+    for (int c = 0; c < CLASSES; c++) {
+        free(s.grid[c].start);
+        free(s.grid[c].index);
+        free(s.grid[c].row);
+    }
+    free(s.class_of);
+    return failed;
+}

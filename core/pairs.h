@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Private to core: finds all pairs of particles closer than the sum of radii plus a skin.
+ */
+#ifndef CALX_PAIRS_H
+#define CALX_PAIRS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* A pair of particles in sorted order, i < j. The image of j that is near i is at x_j + shift * box, shift packed as
+ * (sx+1) + 3 (sy+1) + 9 (sz+1); 13 is no shift. */
+struct calx_found {
+    int32_t i, j;
+    uint8_t shift;
+};
+
+enum { CALX_NO_SHIFT = 13 };
+
+/* The pairs that belong to one block of consecutive particles: those whose i is in it. */
+struct calx_found_list {
+    struct calx_found *list;
+    size_t count, capacity;
+};
+
+struct calx_pairs_input {
+    const double *x;      /* rows of four {x, y, z, R}, sorted; positions inside the box on periodic axes */
+    size_t n, block;      /* particles, particles per block */
+    double skin;          /* m, added to the sum of radii (gap included) */
+    uint32_t dimension;
+    bool periodic[3];
+    double low[3], length[3]; /* of the box, on periodic axes */
+    int threads;
+};
+
+/* lists: one per block, zeroed; the caller frees their arrays. In each list the order of pairs depends on the input alone.
+ * Returns 0, or 1 without memory. */
+int calx_pairs_find(const struct calx_pairs_input *, struct calx_found_list *lists);
+
+#endif

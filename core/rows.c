@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * The arrays of a row layout: which exist follows from the features of the plan; what a scene does not need is not
+ * allocated.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/neighbours.h"
+
+/* Every array of the layout: where its pointer stands, bytes per row, whether this scene has it. */
+struct row_array {
+    size_t offset, bytes;
+    bool present;
+};
+
+enum { ROW_ARRAYS = 10 };
+
+static size_t list_arrays(const struct calx_sim *s, size_t stride,
+                          struct row_array list[ROW_ARRAYS + 2 * CALX_EXTRA_MAX])
+{
+#define FIELD(name, size, when) {offsetof(struct calx_rows_arrays, name), size, when}
+    const struct calx_features *f = &s->features;
+    bool store = false;
+    uint32_t translation = 0, rotation = 0;
+    for (size_t p = 0; p < s->plan_count; p++) {
+        const struct calx_plan *plan = &s->plans[p];
+        const struct calx_motion_integrator *m = plan->motion_law;
+        store |= f->temperature && (plan->heat_every > 1 || plan->global_heat);
+        translation = m && m->extra_translation > translation ? m->extra_translation : translation;
+        rotation = m && f->rotation && m->extra_rotation > rotation ? m->extra_rotation : rotation;
+    }
+    const struct row_array fixed[ROW_ARRAYS] = {
+        FIELD(x, 4 * sizeof(double), true),
+        FIELD(v, stride * sizeof(double), true),
+        FIELD(a, stride * sizeof(double), true),
+        FIELD(id, sizeof(int64_t), true),
+        FIELD(material, sizeof(int32_t), true),
+        FIELD(inverse_capacity, sizeof(double), f->temperature),
+        FIELD(heat_store, sizeof(double), store),
+        FIELD(image, 3 * sizeof(int32_t), f->periodic),
+        FIELD(source, sizeof(int32_t), f->search),
+        FIELD(shift, sizeof(uint8_t), f->search && f->periodic),
+    };
+#undef FIELD
+    memcpy(list, fixed, sizeof fixed);
+    size_t count = ROW_ARRAYS;
+    for (size_t k = 0; k < 2 * CALX_EXTRA_MAX; k++)
+        list[count++] = (struct row_array){
+            offsetof(struct calx_rows_arrays, extra) + k * sizeof(double *), 4 * sizeof(double),
+            k < CALX_EXTRA_MAX ? k < translation : k - CALX_EXTRA_MAX < rotation};
+    return count;
+}
+
+static void **array_at(struct calx_rows_arrays *r, size_t offset)
+{
+    return (void **)((char *)r + offset);
+}
+
+int calx_rows_allocate(const struct calx_sim *s, struct calx_rows_arrays *r, size_t rows)
+{
+    struct row_array list[ROW_ARRAYS + 2 * CALX_EXTRA_MAX];
+    size_t stride = s->features.rotation || s->features.temperature ? 8 : 4;
+    size_t count = list_arrays(s, stride, list);
+    memset(r, 0, sizeof *r);
+    r->rows = rows;
+    r->stride = stride;
+    for (size_t k = 0; k < count; k++)
+        if (list[k].present &&
+            !(*array_at(r, list[k].offset) = calx_memory_zeroed(rows, list[k].bytes)))
+            return 1;
+    return 0;
+}
+
+size_t calx_rows_arrays_list(const struct calx_sim *s, struct calx_rows_arrays *r,
+                             struct calx_row_view *views)
+{
+    struct row_array list[ROW_ARRAYS + 2 * CALX_EXTRA_MAX];
+    size_t count = list_arrays(s, r->stride, list), present = 0;
+    for (size_t k = 0; k < count; k++)
+        if (list[k].present)
+            views[present++] = (struct calx_row_view){*array_at(r, list[k].offset), list[k].bytes};
+    return present;
+}
+
+void calx_rows_free(struct calx_rows_arrays *r)
+{
+    void *all[] = {r->x, r->v, r->a, r->id, r->material, r->inverse_capacity, r->heat_store,
+                   r->image, r->source, r->shift};
+    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
+        free(all[k]);
+    for (size_t k = 0; k < 2 * CALX_EXTRA_MAX; k++)
+        free(r->extra[k]);
+    memset(r, 0, sizeof *r);
+}
+
+void calx_rows_copy(struct calx_rows_arrays *to, size_t t, const struct calx_rows_arrays *from, size_t f)
+{
+    memcpy(to->x + 4 * t, from->x + 4 * f, 4 * sizeof(double));
+    memcpy(to->v + to->stride * t, from->v + to->stride * f, to->stride * sizeof(double));
+    memcpy(to->a + to->stride * t, from->a + to->stride * f, to->stride * sizeof(double));
+    to->id[t] = from->id[f];
+    to->material[t] = from->material[f];
+    if (to->inverse_capacity)
+        to->inverse_capacity[t] = from->inverse_capacity[f];
+    if (to->heat_store)
+        to->heat_store[t] = from->heat_store[f];
+    if (to->image)
+        memcpy(to->image[t], from->image[f], sizeof to->image[t]);
+    for (size_t k = 0; k < 2 * CALX_EXTRA_MAX; k++)
+        if (to->extra[k])
+            memcpy(to->extra[k] + 4 * t, from->extra[k] + 4 * f, 4 * sizeof(double));
+}

@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * One time step, as the algorithm reads. A global integrator would drive these same services itself.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/state.h"
+
+static void swap_wall_contacts(struct calx_sim *s)
+{
+    struct calx_wall_contact *contacts = s->wall_contacts;
+    double *history = s->wall_history;
+    s->wall_contacts = s->wall_contacts_next;
+    s->wall_history = s->wall_history_next;
+    s->wall_contacts_next = contacts;
+    s->wall_history_next = history;
+    memset(s->wall_force, 0, s->scene->wall_count * sizeof *s->wall_force);
+    for (size_t b = 0; b < s->block_count; b++) {
+        s->blocks[b].wall_count = s->blocks[b].wall_next;
+        for (size_t w = 0; w < s->scene->wall_count; w++)
+            for (int k = 0; k < 3; k++)
+                s->wall_force[w][k] += s->block_wall_force[b * s->scene->wall_count + w][k];
+    }
+}
+
+int calx_step_forces(struct calx_sim *s, double dt, bool conduct, struct calx_error *e)
+{
+    if (calx_neighbours_stale(s))
+        CALX_TRY(calx_neighbours_build(s, e));
+#pragma omp parallel for schedule(dynamic, 1) num_threads(s->threads)
+    for (size_t b = 0; b < s->block_count; b++)
+        s->engine->block_forces(s, b, dt, conduct);
+    if (s->features.wall_contacts)
+        swap_wall_contacts(s);
+    calx_integrate_collect(s);
+    return 0;
+}
+
+/* Gravity at time t; what a change of it does to the potential energy is work from outside. */
+static void set_gravity(struct calx_sim *s, double t)
+{
+    static const double nowhere[3];
+    double change[3];
+    bool changed = false;
+    for (int k = 0; k < 3; k++) {
+        double g = calx_evaluate(&s->scene->stages[s->stage].gravity[k], t, nowhere);
+        change[k] = g - s->gravity[k];
+        s->gravity[k] = g;
+        changed |= change[k] != 0.0;
+    }
+    for (size_t b = 0; changed && s->built && b < s->block_count; b++)
+        for (int32_t row = s->blocks[b].first; row < s->blocks[b].first + s->blocks[b].own; row++) {
+            const double *x = calx_row_x(s, row), inverse_mass = calx_row_v(s, row)[3];
+            for (int k = 0; k < 3 && inverse_mass > 0.0; k++) {
+                double turns = s->scene->periodic[k] ? s->r.image[row][k] * (s->scene->high[k] - s->scene->low[k])
+                                                     : 0.0;
+                s->outside_work -= change[k] * (x[k] + turns) / inverse_mass;
+            }
+        }
+}
+
+static bool heat_due(const struct calx_sim *s)
+{
+    return s->plan->conductance && (s->stage_step + 1) % s->plan->heat_every == 0;
+}
+
+static int advance_motion(struct calx_sim *s, double t, struct calx_error *e)
+{
+    double dt = s->plan->dt;
+    for (size_t stage = 0; stage < s->plan->motion_law->stages; stage++) {
+        calx_integrate_before(s, stage);
+        if (stage == 0)
+            calx_walls_move(s, t, dt);
+        CALX_TRY(calx_step_forces(s, stage == 0 ? dt : 0.0, heat_due(s), e));
+        if (stage == 0)
+            calx_ledger_step(s, dt);
+        calx_integrate_after(s, stage);
+    }
+    return 0;
+}
+
+/* Bodies at rest for ever: contacts serve the conduction of heat alone. */
+static int advance_frozen(struct calx_sim *s, double t, struct calx_error *e)
+{
+    calx_walls_move(s, t, s->plan->dt);
+    CALX_TRY(calx_step_forces(s, 0.0, heat_due(s), e));
+    return 0;
+}
+
+static bool condition_holds(struct calx_sim *s)
+{
+    const struct calx_stage_spec *stage = &s->scene->stages[s->stage];
+    struct calx_probe probe = {.particle = -1, .material = -1, .wall = -1};
+    if (!stage->condition[0] || s->stage_step % 64)
+        return false;
+    memcpy(probe.quantity, stage->condition, sizeof probe.quantity);
+    double v = calx_sim_measure(s, &probe);
+    return stage->relation == CALX_BELOW ? v < stage->bound : v > stage->bound;
+}
+
+static int end_stage(struct calx_sim *s, struct calx_error *e)
+{
+    const struct calx_stage_spec *stage = &s->scene->stages[s->stage];
+    double rounding = 1e-9 * s->plan->dt;
+    s->stage_began = false;
+    if (s->time - s->stage_start < stage->duration - rounding - 0.5 * s->plan->dt && !condition_holds(s))
+        return 0;
+    s->stage_began = true;
+    if ((size_t)s->stage + 1 == s->scene->stage_count) {
+        s->done = true;
+        return 0;
+    }
+    return calx_step_begin_stage(s, s->stage + 1, e);
+}
+
+/* New laws start with contacts that have no past; the energy they find or lose is work from outside. */
+static int change_models(struct calx_sim *s, const struct calx_plan *plan, struct calx_error *e)
+{
+    double before = calx_ledger_mechanical(s);
+    s->plan = plan;
+    memset(s->pairs.touching, 0, s->pairs.count);
+    for (size_t b = 0; b < s->block_count; b++)
+        s->blocks[b].wall_count = 0;
+    size_t columns = plan->history;
+    free(s->pairs.history);
+    s->pairs.history = calx_memory_zeroed(s->pairs.count * columns, sizeof(double));
+    s->built = false;
+    if (!s->pairs.history)
+        return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for contact history");
+    CALX_TRY(calx_step_forces(s, 0.0, false, e));
+    s->outside_work += calx_ledger_mechanical(s) - before;
+    return 0;
+}
+
+int calx_step_begin_stage(struct calx_sim *s, int stage, struct calx_error *e)
+{
+    const struct calx_plan *plan = &s->plans[s->scene->stages[stage].models];
+    s->stage = stage;
+    s->stage_step = 0;
+    s->stage_start = s->time;
+    calx_walls_begin_stage(s);
+    set_gravity(s, s->time);
+    if (plan != s->plan && s->built)
+        CALX_TRY(change_models(s, plan, e));
+    s->plan = plan;
+    if (stage > 0)
+        calx_measure_begin_stage(s, stage);
+    return 0;
+}
+
+int calx_sim_step(struct calx_sim *s, struct calx_error *e)
+{
+    if (s->done)
+        return 0;
+    double t = s->stage_start + (double)(s->stage_step + 1) * s->plan->dt;
+    s->dt_now = s->plan->motion ? s->plan->dt : 0.0;
+    set_gravity(s, t);
+    CALX_TRY(s->plan->motion ? advance_motion(s, t, e) : advance_frozen(s, t, e));
+    s->step++;
+    s->stage_step++;
+    s->time = t;
+    CALX_TRY(calx_heat_step(s, e));
+    CALX_TRY(calx_guard_step(s, e));
+    return end_stage(s, e);
+}

@@ -1,0 +1,337 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Contacts of the particles of one block with walls: which of the near primitives count, their columns (a wall is a body of curvature 0,
+ * inverse mass 0 and lever 0 that moves with the speed of its material), and where the results go. The laws, the
+ * conductance and the kinematics are those of particle contacts (evaluate.c).
+ *
+ * A joint counts once: an end of a segment is dropped where another segment that contains it is at least as near; of several
+ * primitives of one smooth surface that push the same way, only the deepest acts. History follows the surface, not the
+ * primitive, so friction survives joints.
+ */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "core/columns.h"
+
+enum { NEAR_MAX = 64 }; /* primitives near one grain */
+#define NOWHERE SIZE_MAX   /* slot of a contact that has ended */
+
+struct candidate {
+    struct calx_touch touch;
+    int32_t primitive, surface;
+    bool dropped;
+};
+
+struct wall_batch {
+    struct calx_sim *s;
+    const struct calx_row_block *block;
+    struct calx_tally *tally;
+    struct calx_columns *c;
+    double dt;
+    bool conduct;
+    double *energy;
+    const struct calx_sink *sink;
+    bool look; /* nothing may change: energy or sink */
+    size_t type; /* pair of materials of the lanes */
+    size_t next; /* contacts of the block so far */
+    int wall[CALX_BATCH];
+    double point_velocity[CALX_BATCH][3];
+    int32_t row[CALX_BATCH];
+    double share[CALX_BATCH];
+};
+
+/* Whether point p lies on the segment, to rounding. */
+static bool on_segment(const struct calx_primitive *s, const double p[3])
+{
+    struct calx_touch t;
+    double scale = fabs(s->a[0]) + fabs(s->a[1]) + fabs(s->b[0]) + fabs(s->b[1]);
+    calx_surface_nearest(s, 2, p, &t);
+    return t.distance <= 1e-9 * scale;
+}
+
+/* Drops ends that another candidate covers, then all but the deepest of one smooth surface that push the same way. */
+static void drop_duplicates(const struct calx_sim *s, struct candidate *list, size_t n)
+{
+    for (size_t k = 0; k < n; k++) {
+        if (!list[k].touch.end || s->posed[list[k].primitive].p.shape != CALX_SEGMENT)
+            continue;
+        for (size_t q = 0; q < n && !list[k].dropped; q++)
+            list[k].dropped = q != k && !list[q].dropped &&
+                              s->posed[list[q].primitive].p.shape == CALX_SEGMENT &&
+                              list[q].touch.distance <= list[k].touch.distance &&
+                              on_segment(&s->posed[list[q].primitive].p, list[k].touch.point);
+    }
+    for (size_t k = 0; k < n; k++)
+        for (size_t q = 0; q < n && !list[k].dropped; q++) {
+            const double *a = list[k].touch.normal, *b = list[q].touch.normal;
+            bool deeper = list[q].touch.distance < list[k].touch.distance ||
+                          (list[q].touch.distance == list[k].touch.distance && q < k);
+            list[k].dropped = q != k && !list[q].dropped && deeper &&
+                              list[q].surface == list[k].surface &&
+                              a[0] * b[0] + a[1] * b[1] + a[2] * b[2] > 0.5;
+        }
+}
+
+/* Surfaces are numbered within a wall; this makes the number unique in the scene. */
+static int32_t surface_of(const struct calx_sim *s, int32_t primitive)
+{
+    return s->posed[primitive].wall * 65536 + s->posed[primitive].p.surface;
+}
+
+/* The candidates of the particle whose near list starts at `at`; returns where the next particle's starts. */
+static size_t collect(const struct calx_sim *s, const struct calx_row_block *b, size_t at,
+                      struct candidate *list, size_t *count)
+{
+    int32_t row = s->near_row[at];
+    const double *x = calx_row_x(s, row);
+    *count = 0;
+    for (; at < b->near_first + b->near_count && s->near_row[at] == row; at++) {
+        struct candidate k = {.primitive = s->near_primitive[at]};
+        calx_surface_nearest(&s->posed[k.primitive].p, s->scene->dimension, x, &k.touch);
+        if (*count == NEAR_MAX)
+            continue;
+        k.surface = surface_of(s, k.primitive);
+        list[(*count)++] = k;
+    }
+    return at;
+}
+
+static double wall_share(const struct calx_sim *s, int wall, size_t material)
+{
+    double share[2];
+    CALX_ISA(calx_heat_shares)(s, material, (size_t)s->scene->walls[wall].material, share);
+    return s->scene->walls[wall].isothermal ? share[0] : share[0] + share[1];
+}
+
+/* One lane: the grain is body i. */
+static void fill_lane(struct wall_batch *w, int32_t row, const struct candidate *k)
+{
+    const struct calx_sim *s = w->s;
+    struct calx_columns *c = w->c;
+    size_t lane = c->n++;
+    const double *x = calx_row_x(s, row), *v = calx_row_v(s, row);
+    int wall = s->posed[k->primitive].wall;
+    calx_walls_velocity(s, wall, k->touch.point, w->point_velocity[lane]);
+    double depth = x[3] - k->touch.distance;
+    c->overlap[lane] = depth;
+    c->lever[0][lane] = s->plan->models->lever_full ? x[3] : x[3] - 0.5 * depth;
+    c->lever[1][lane] = c->tilt[lane] = c->curvature[1][lane] = 0.0;
+    c->inverse_mass[lane] = fmax(v[3], 1e-200);
+    c->curvature[0][lane] = 1.0 / x[3];
+    for (int q = 0; q < 3; q++) {
+        c->normal[q][lane] = k->touch.normal[q];
+        c->velocity[q][lane] = v[q] - w->point_velocity[lane][q];
+        c->omega[1][q][lane] = 0.0;
+        if (s->r.stride == 8)
+            c->omega[0][q][lane] = v[4 + q];
+    }
+    if (s->features.temperature) {
+        c->temperature[0][lane] = v[7];
+        c->temperature[1][lane] = s->scene->walls[wall].isothermal ? s->wall_temperature[wall] : v[7];
+        w->share[lane] = wall_share(s, wall, (size_t)s->r.material[row]);
+    }
+    w->wall[lane] = wall;
+    w->row[lane] = row;
+}
+
+static void add_wall_force(struct wall_batch *w, size_t lane)
+{
+    struct calx_sim *s = w->s;
+    struct calx_columns *c = w->c;
+    size_t block = (size_t)(w->block - s->blocks);
+    double *total = s->block_wall_force[block * s->scene->wall_count + (size_t)w->wall[lane]];
+    for (int k = 0; k < 3; k++) {
+        total[k] -= c->force[k][lane];
+        w->tally->wall_power += c->force[k][lane] * w->point_velocity[lane][k];
+    }
+}
+
+static void add_conduction(struct wall_batch *w, size_t lane)
+{
+    struct calx_sim *s = w->s;
+    struct calx_columns *c = w->c;
+    int wall = w->wall[lane];
+    double h = c->conductance[lane];
+    if (!s->scene->walls[wall].isothermal)
+        return;
+    if (s->plan->global_heat) {
+        size_t e = w->block->near_first + w->tally->boundaries++;
+        s->boundary_i[e] = w->row[lane];
+        s->boundary_h[e] = h;
+        s->boundary_t[e] = s->wall_temperature[wall];
+        return;
+    }
+    double q = h * (c->temperature[1][lane] - c->temperature[0][lane]);
+    calx_row_a(s, w->row[lane])[7] += q;
+    w->tally->wall_heat += q;
+}
+
+static void add_lane(struct wall_batch *w, size_t lane)
+{
+    struct calx_sim *s = w->s;
+    struct calx_columns *c = w->c;
+    const struct calx_plan *plan = s->plan;
+    double *a = calx_row_a(s, w->row[lane]), depth = c->overlap[lane] * c->curvature[0][lane];
+    for (int k = 0; k < 3; k++) {
+        a[k] += c->force[k][lane];
+        if (plan->needs & CALX_NEEDS_ROTATION)
+            a[4 + k] -= c->lever[0][lane] * c->twist[k][lane];
+        if (plan->needs & CALX_NEEDS_SPIN)
+            a[4 + k] += c->torque[k][lane];
+    }
+    add_wall_force(w, lane);
+    if (w->conduct)
+        add_conduction(w, lane);
+    if (s->features.temperature && s->scene->from_dissipation > 0.0 && w->dt > 0.0) {
+        a[7] += w->share[lane] * c->work[lane] / (w->conduct ? s->plan->heat_dt : w->dt);
+        w->tally->wall_heat_lost += (s->scene->from_dissipation - w->share[lane]) * c->work[lane];
+    }
+    w->tally->work += c->work[lane];
+    w->tally->wall_contacts += c->overlap[lane] > 0.0;
+    if (depth > w->tally->overlap) {
+        w->tally->overlap = depth;
+        w->tally->overlap_rows[0] = w->row[lane];
+        w->tally->overlap_rows[1] = -1 - w->wall[lane];
+    }
+}
+
+/* Evaluates what is in the batch. */
+static void flush(struct wall_batch *w)
+{
+    struct calx_columns *c = w->c;
+    struct calx_sim *s = w->s;
+    size_t columns = s->plan->history;
+    for (size_t lane = c->n; lane % CALX_WIDTH; lane++)
+        c->overlap[lane] = 0.0;
+    if (w->energy) {
+        CALX_ISA(calx_evaluate_energy)(s->plan, w->type, w->dt, c);
+        for (size_t lane = 0; lane < c->n; lane++)
+            *w->energy += c->overlap[lane] > -s->plan->gap ? c->energy[lane] : 0.0;
+        c->n = 0;
+        return;
+    }
+    CALX_ISA(calx_evaluate_batch)(s->plan, w->type, w->dt, w->conduct, c);
+    for (size_t lane = 0; lane < c->n; lane++) {
+        if (w->sink) {
+            w->sink->take(w->sink->context, c, lane, w->row[lane], -1 - w->wall[lane]);
+            continue;
+        }
+        size_t slot = c->source[lane];
+        add_lane(w, lane);
+        for (size_t h = 0; h < columns && slot != NOWHERE; h++)
+            s->wall_history_next[columns * slot + h] = c->history[h][lane];
+    }
+    c->n = 0;
+}
+
+/* The old contact of this row and surface that is not taken yet, or -1. `first` is where the row's old contacts start. */
+static ptrdiff_t find_old(const struct calx_wall_contact *old, size_t count, size_t first, int32_t row,
+                          int32_t surface, uint64_t taken)
+{
+    for (size_t k = first; k < count && old[k].row == row && k - first < 64; k++)
+        if (old[k].surface == surface && !(taken >> (k - first) & 1))
+            return (ptrdiff_t)k;
+    return -1;
+}
+
+/* Adds a lane with the history of old contact `old` (-1: none), flushing first if the batch is full or of another pair of materials. */
+static void push(struct wall_batch *w, int32_t row, const struct candidate *k, ptrdiff_t old, size_t slot)
+{
+    struct calx_sim *s = w->s;
+    struct calx_columns *c = w->c;
+    size_t columns = s->plan->history, materials = s->scene->material_count;
+    size_t type = (size_t)s->r.material[row] * materials +
+                  (size_t)s->scene->walls[s->posed[k->primitive].wall].material;
+    if (c->n == CALX_BATCH || (c->n && type != w->type))
+        flush(w);
+    w->type = type;
+    c->source[c->n] = slot;
+    for (size_t h = 0; h < columns; h++)
+        c->history[h][c->n] = old >= 0 ? s->wall_history[columns * (size_t)old + h] : 0.0;
+    fill_lane(w, row, k);
+    if (slot == NOWHERE) /* over: seen once more so that its last half step is booked */
+        c->overlap[c->n - 1] = fmin(c->overlap[c->n - 1], -s->plan->gap);
+}
+
+/* An old contact that no candidate continues. */
+static void push_ended(struct wall_batch *w, int32_t row, const struct candidate *list, size_t count,
+                       size_t old)
+{
+    const struct candidate *nearest = NULL;
+    for (size_t k = 0; k < count; k++)
+        if (list[k].surface == w->s->wall_contacts[old].surface &&
+            (!nearest || list[k].touch.distance < nearest->touch.distance))
+            nearest = &list[k];
+    if (nearest)
+        push(w, row, nearest, (ptrdiff_t)old, NOWHERE);
+}
+
+/* All contacts of one particle; its old contacts are first..last. */
+static void process_particle(struct wall_batch *w, int32_t row, struct candidate *list, size_t count,
+                             size_t first, size_t last)
+{
+    struct calx_sim *s = w->s;
+    double reach = calx_row_x(s, row)[3] + s->plan->gap;
+    uint64_t taken = 0;
+    drop_duplicates(s, list, count);
+    for (size_t k = 0; k < count; k++) {
+        if (list[k].dropped || list[k].touch.distance >= reach)
+            continue;
+        size_t slot = w->block->near_first + w->next;
+        ptrdiff_t old = find_old(s->wall_contacts, last, first, row, list[k].surface, taken);
+        if (old >= 0)
+            taken |= 1ull << ((size_t)old - first);
+        if (!w->look)
+            s->wall_contacts_next[slot] = (struct calx_wall_contact){row, list[k].surface};
+        w->next++;
+        push(w, row, &list[k], old, slot);
+    }
+    for (size_t k = first; k < last && k - first < 64 && !w->look; k++)
+        if (!(taken >> (k - first) & 1))
+            push_ended(w, row, list, count, k);
+}
+
+void CALX_ISA(calx_wall_contacts)(struct calx_sim *s, size_t block, double dt, bool conduct,
+                                  struct calx_columns *c, double *energy, const struct calx_sink *sink)
+{
+    struct calx_row_block *b = &s->blocks[block];
+    struct wall_batch w = {.s = s, .block = b, .tally = &s->tallies[block], .c = c, .dt = dt,
+                           .conduct = conduct, .energy = energy, .sink = sink,
+                           .look = energy || sink};
+    struct candidate list[NEAR_MAX];
+    size_t at = b->near_first, end = at + b->near_count, old = at, old_end = at + b->wall_count, count;
+    if (!s->features.wall_contacts)
+        return;
+    if (!w.look)
+        memset(s->block_wall_force + block * s->scene->wall_count, 0,
+               s->scene->wall_count * sizeof *s->block_wall_force);
+    c->n = 0;
+    while (at < end) {
+        int32_t row = s->near_row[at];
+        at = collect(s, b, at, list, &count);
+        while (old < old_end && s->wall_contacts[old].row < row)
+            old++;
+        size_t first = old;
+        while (old < old_end && s->wall_contacts[old].row == row)
+            old++;
+        process_particle(&w, row, list, count, first, old);
+    }
+    if (c->n)
+        flush(&w);
+    if (!w.look)
+        b->wall_next = w.next;
+}
+
+void CALX_ISA(calx_heat_shares)(const struct calx_sim *s, size_t material_i, size_t material_j, double share[2])
+{
+    double f = s->scene->from_dissipation, e[2] = {1.0, 1.0};
+    const size_t m[2] = {material_i, material_j};
+    for (int k = 0; k < 2 && s->scene->split_effusivity; k++) {
+        const struct calx_material *material = &s->scene->materials[m[k]];
+        e[k] = sqrt(material->density * material->specific_heat *
+                    calx_plan_material_value(s->scene, m[k], "conductivity"));
+    }
+    share[0] = f * e[0] / (e[0] + e[1]);
+    share[1] = f - share[0];
+}
