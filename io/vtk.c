@@ -33,8 +33,8 @@ static const struct {
 static const char *const sections[] = {
     [POINT_DATA] = "PointData", [CELL_DATA] = "CellData", [POINTS] = "Points", [CELLS] = "Cells"};
 
-/* Arrays that are copied from the frame: the pointer at `offset` of struct calx_frame, NULL if the
- * frame has none. */
+/* Arrays that are copied from the frame (unit NULL: a pure number): the pointer at `offset` of
+ * struct calx_frame, NULL if the frame has none. */
 struct field {
     enum calx_vtk_part part;
     enum section section;
@@ -46,7 +46,7 @@ struct field {
 
 #define AT(member) offsetof(struct calx_frame, member)
 static const struct field fields[] = {
-    {CALX_VTK_PARTICLES, POINT_DATA, "id", "1", 0, INT64, 1, AT(id)},
+    {CALX_VTK_PARTICLES, POINT_DATA, "id", NULL, 0, INT64, 1, AT(id)},
     {CALX_VTK_PARTICLES, POINT_DATA, "radius", "m", 0, REAL, 1, AT(radius)},
     {CALX_VTK_PARTICLES, POINT_DATA, "velocity", "m/s", CALX_FIELD_VELOCITY, REAL, 3, AT(velocity)},
     {CALX_VTK_PARTICLES, POINT_DATA, "spin", "rad/s", CALX_FIELD_SPIN, REAL, 3, AT(spin)},
@@ -55,20 +55,20 @@ static const struct field fields[] = {
     {CALX_VTK_PARTICLES, POINT_DATA, "heat", "W", CALX_FIELD_HEAT, REAL, 1, AT(heat)},
     {CALX_VTK_PARTICLES, POINT_DATA, "force", "N", CALX_FIELD_FORCE, REAL, 3, AT(force)},
     {CALX_VTK_PARTICLES, POINT_DATA, "mass", "kg", CALX_FIELD_MASS, REAL, 1, AT(mass)},
-    {CALX_VTK_PARTICLES, POINT_DATA, "material", "1", CALX_FIELD_MATERIAL, INT32, 1, AT(material)},
-    {CALX_VTK_PARTICLES, POINT_DATA, "contacts", "1", CALX_FIELD_CONTACTS, INT32, 1, AT(contacts)},
+    {CALX_VTK_PARTICLES, POINT_DATA, "material", NULL, CALX_FIELD_MATERIAL, INT32, 1, AT(material)},
+    {CALX_VTK_PARTICLES, POINT_DATA, "contacts", NULL, CALX_FIELD_CONTACTS, INT32, 1, AT(contacts)},
     {CALX_VTK_PARTICLES, POINTS, "position", "m", 0, REAL, 3, AT(position)},
     {CALX_VTK_WALLS, POINT_DATA, "velocity", "m/s", 0, REAL, 3, AT(wall_velocity)},
-    {CALX_VTK_WALLS, CELL_DATA, "wall", "1", 0, INT32, 1, AT(wall_of_cell)},
+    {CALX_VTK_WALLS, CELL_DATA, "wall", NULL, 0, INT32, 1, AT(wall_of_cell)},
     {CALX_VTK_WALLS, CELL_DATA, "temperature", "K", 0, REAL, 1, AT(wall_temperature)},
     {CALX_VTK_WALLS, CELL_DATA, "force", "N", 0, REAL, 3, AT(wall_force)},
     {CALX_VTK_WALLS, POINTS, "position", "m", 0, REAL, 3, AT(wall_position)},
-    {CALX_VTK_CONTACTS, CELL_DATA, "pair", "1", 0, INT64, 2, AT(pair)},
+    {CALX_VTK_CONTACTS, CELL_DATA, "pair", NULL, 0, INT64, 2, AT(pair)},
     {CALX_VTK_CONTACTS, CELL_DATA, "normal_force", "N", 0, REAL, 1, AT(normal_force)},
     {CALX_VTK_CONTACTS, CELL_DATA, "tangential_force", "N", 0, REAL, 1, AT(tangential_force)},
     {CALX_VTK_CONTACTS, CELL_DATA, "heat_flow", "W", 0, REAL, 1, AT(heat_flow)},
     {CALX_VTK_CONTACTS, CELL_DATA, "overlap", "m", 0, REAL, 1, AT(overlap)},
-    {CALX_VTK_CONTACTS, CELL_DATA, "status", "1", 0, INT32, 1, AT(status)},
+    {CALX_VTK_CONTACTS, CELL_DATA, "status", NULL, 0, INT32, 1, AT(status)},
     {CALX_VTK_CONTACTS, POINTS, "position", "m", 0, REAL, 3, AT(pair_position)},
 };
 
