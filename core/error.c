@@ -13,8 +13,8 @@
 /* Longer words are not names; they have no neighbour. */
 #define LONGEST_WORD 64
 
-static void error_fill(struct calx_error *e, enum calx_code code, struct calx_place place, const char *format,
-                       va_list arguments)
+static void error_fill(struct calx_error *e, enum calx_code code, struct calx_place place,
+                       const char *format, va_list arguments)
 {
     if (!e)
         return;
@@ -33,7 +33,8 @@ int calx_error_set(struct calx_error *e, enum calx_code code, const char *format
     return (int)code;
 }
 
-int calx_error_at(struct calx_error *e, enum calx_code code, struct calx_place place, const char *format, ...)
+int calx_error_at(struct calx_error *e, enum calx_code code, struct calx_place place,
+                  const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
@@ -44,8 +45,11 @@ int calx_error_at(struct calx_error *e, enum calx_code code, struct calx_place p
 
 int calx_error_exit(enum calx_code code)
 {
-    static const int status[] = {
-        [CALX_OK] = 0, [CALX_ERROR_PHYSICS] = 1, [CALX_ERROR_INPUT] = 2, [CALX_ERROR_MEMORY] = 1, [CALX_ERROR_IO] = 1};
+    static const int status[] = {[CALX_OK] = 0,
+                                 [CALX_ERROR_PHYSICS] = 1,
+                                 [CALX_ERROR_INPUT] = 2,
+                                 [CALX_ERROR_MEMORY] = 1,
+                                 [CALX_ERROR_IO] = 1};
     return (size_t)code < sizeof status / sizeof *status ? status[code] : 1;
 }
 
@@ -66,7 +70,8 @@ static size_t edit_distance(const char *from, size_t from_length, const char *to
         size_t *row = rows[i % 2];
         row[0] = i;
         for (size_t k = 1; k <= to_length; k++)
-            row[k] = smallest(row[k - 1] + 1, above[k] + 1, above[k - 1] + (from[i - 1] != to[k - 1]));
+            row[k] =
+                smallest(row[k - 1] + 1, above[k] + 1, above[k - 1] + (from[i - 1] != to[k - 1]));
     }
     return rows[from_length % 2][to_length];
 }

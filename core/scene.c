@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * The life of a scene: created empty, filled by a reader, freed with everything it owns. Finds materials and walls by name.
+ * The life of a scene: created empty, filled by a reader, freed with everything it owns. Finds
+ * materials and walls by name.
  */
 #include "core/scene.h"
 

@@ -9,8 +9,8 @@
 
 #include "core/loader.h"
 
-/* Writes the RELAX NG grammar (XML syntax) of the case file with the parameters of every plugin that can be found, which
- * are loaded. Returns 0 or CALX_ERROR_IO. */
+/* Writes the RELAX NG grammar (XML syntax) of the case file with the parameters of every plugin
+ * that can be found, which are loaded. Returns 0 or CALX_ERROR_IO. */
 int calx_schema_write(FILE *, struct calx_registry *);
 
 /* Writes the reference of the case file, cases/FORMAT.md (Markdown). Returns 0 or CALX_ERROR_IO. */

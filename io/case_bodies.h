@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * What the files that place particles share (io/case_particles.c, case_pack.c, case_csv.c); nobody
+ * else includes it.
+ */
+#ifndef CALX_CASE_BODIES_H
+#define CALX_CASE_BODIES_H
+
+#include "core/random.h"
+#include "io/case_reader.h"
+
+/* More from one element is taken for a mistake in a number. */
+#define CALX_MOST_BODIES 20000000
+
+/* A start velocity or spin: given, or random within plus and minus `random` on the axes that exist.
+ */
+struct calx_start {
+    bool given;
+    double value[3], random;
+};
+
+/* What the bodies of one element have in common, with what it inherits from <particles>. */
+struct calx_group {
+    const xmlNode *node;
+    int material;
+    bool fixed, has_temperature;
+    struct calx_function temperature;
+    struct calx_start velocity, spin;
+    struct calx_random random;
+    uint64_t seed;
+};
+
+/* The bodies so far: scene->particles with all its arrays, and which of them say something. */
+struct calx_bed {
+    struct calx_reader *reader;
+    struct calx_particles *particles;
+    size_t capacity;
+    bool any_velocity, any_spin, any_temperature, any_fixed;
+};
+
+/* Where the attribute stands: on the element, else on <particles> around it, else NULL. */
+const xmlNode *calx_case_bearer(const xmlNode *, const char *name);
+
+/* The one radius of the element's bodies; NaN and a problem if there is none. */
+double calx_case_radius(struct calx_reader *, const xmlNode *);
+
+/* Appends a body. Returns its index, or -1 without memory. */
+int64_t calx_case_place_body(struct calx_bed *, struct calx_group *, const double position[3],
+                             double radius);
+
+void calx_case_read_pack(struct calx_bed *, struct calx_group *);
+void calx_case_read_csv(struct calx_bed *, struct calx_group *);
+
+#endif

@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * What a case says must come out. Output: scene->expects, with values in the unit of their
+ * quantity.
+ */
+#include "io/case_reader.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "core/calx.h"
+#include "core/measure.h"
+#include "io/quantity.h"
+
+/* The attributes that say both when and what; all others take value, above, below. */
+static const struct {
+    const char *name;
+    enum calx_when when;
+} results[] = {
+    {"always", CALX_ALWAYS}, {"min", CALX_MINIMUM}, {"max", CALX_MAXIMUM}, {"change", CALX_CHANGE}};
+
+/* The one result attribute that is given, or NULL. Two of them, or one with `at`, are a problem. */
+static const char *read_when(struct calx_reader *r, const xmlNode *node, struct calx_expect *expect)
+{
+    const char *chosen = NULL, *at = calx_case_given(node, "at");
+    struct calx_error e = {0};
+    for (size_t k = 0; k < sizeof results / sizeof *results; k++) {
+        if (!calx_case_given(node, results[k].name))
+            continue;
+        if (chosen || at)
+            calx_case_fail(r, node, results[k].name,
+                           "'%s' says already when, expected one of at, always, min, max, change",
+                           chosen ? chosen : "at");
+        chosen = results[k].name;
+        expect->when = results[k].when;
+    }
+    if (!chosen && at && strcmp(at, "end") != 0) {
+        expect->when = CALX_AT_TIME;
+        if (calx_quantity_parse(at, "s", &expect->time, &e))
+            calx_case_fail(r, node, "at", "%s, or 'end'", e.text);
+        else if (expect->time < 0)
+            calx_case_fail(r, node, "at", "%g s, expected at least 0", expect->time);
+    }
+    return chosen;
+}
+
+static void read_bounds(struct calx_reader *r, const xmlNode *node, const char *unit,
+                        bool difference, struct calx_expect *expect)
+{
+    expect->above = calx_case_number_in(r, node, "above", unit, difference);
+    expect->below = calx_case_number_in(r, node, "below", unit, difference);
+    if (expect->above > expect->below)
+        calx_case_fail(r, node, NULL, "above %g and below %g leave nothing between", expect->above,
+                       expect->below);
+}
+
+/* The value stands in the attribute that says when, or in `value`. */
+static void read_value(struct calx_reader *r, const xmlNode *node, const char *chosen,
+                       const char *unit, struct calx_expect *expect)
+{
+    bool difference = expect->when == CALX_CHANGE;
+    bool in_chosen = chosen && strcmp(calx_case_given(node, chosen), "yes") != 0,
+         in_value = calx_case_given(node, "value") != NULL;
+    int ways =
+        in_chosen + in_value + (calx_case_given(node, "above") || calx_case_given(node, "below"));
+    if (ways != 1)
+        calx_case_fail(r, node, NULL, "has %s, expected either a value or above and below",
+                       ways ? "more than one of them" : "no value");
+    read_bounds(r, node, unit, difference, expect);
+    const char *attribute = in_chosen ? chosen : "value";
+    expect->has_value = (in_chosen || in_value) &&
+                        calx_case_function_in(r, node, attribute, unit, difference, &expect->value);
+    expect->rtol = calx_case_number(r, node, "rtol");
+    expect->atol = calx_case_number_in(r, node, "atol", unit, true);
+}
+
+static void read_stage(struct calx_reader *r, const xmlNode *node, struct calx_expect *expect)
+{
+    const char *stage = calx_case_given(node, "stage"), *names[64];
+    size_t count = 0;
+    if (!stage)
+        return;
+    snprintf(expect->stage, sizeof expect->stage, "%.47s", stage);
+    for (size_t k = 0; k < r->scene->stage_count; k++)
+        if (strcmp(r->scene->stages[k].name, stage) == 0)
+            return;
+    for (; count < r->scene->stage_count && count < 64; count++)
+        names[count] = r->scene->stages[count].name;
+    calx_case_fail_name(r, node, "stage", "stage", stage, names, count);
+}
+
+/* The unit of what is expected; NULL and a problem if there is no such column. */
+static const char *read_of(struct calx_reader *r, const xmlNode *node, struct calx_expect *expect)
+{
+    const char *of = calx_case_given(node, "of");
+    struct calx_probe probe = {0};
+    struct calx_error e = {0};
+    if (!of)
+        return NULL;
+    snprintf(expect->of, sizeof expect->of, "%.63s", of);
+    if (calx_measure_resolve(r->scene, of, &probe, &e)) {
+        calx_case_fail_with(r, node, "of", &e);
+        return NULL;
+    }
+    const struct calx_measure *measure = calx_measure_find(probe.quantity);
+    return measure ? measure->unit : NULL;
+}
+
+static void read_expect(struct calx_reader *r, const xmlNode *node)
+{
+    struct calx_expect *expect =
+        calx_case_append(r, &r->scene->expects, &r->scene->expect_count, sizeof *r->scene->expects);
+    if (!expect)
+        return;
+    expect->place = calx_case_place(r, node);
+    if (calx_case_given(node, "source"))
+        snprintf(expect->source, sizeof expect->source, "%.255s", calx_case_given(node, "source"));
+    const char *unit = read_of(r, node, expect), *chosen = read_when(r, node, expect);
+    read_stage(r, node, expect);
+    if (unit)
+        read_value(r, node, chosen, unit, expect);
+}
+
+void calx_case_read_expects(struct calx_reader *r)
+{
+    for (const xmlNode *node = calx_case_first(r->root, "expect"); node;
+         node = calx_case_next(node, "expect"))
+        read_expect(r, node);
+}

@@ -1,0 +1,332 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * The particles of a case: single ones and grids here, packings and tables in case_pack.c and
+ * case_csv.c. Output: scene->particles, in the order of the file. Nothing is placed once there is a
+ * mistake: a packing takes time.
+ */
+#include "io/case_bodies.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io/quantity.h"
+
+#define ROOM_TEMPERATURE 293.15 /* K, of bodies that say none */
+
+/* Streams of different elements are apart by odd multiples of 2^64 over the golden ratio. */
+#define SEED_STEP 0x9e3779b97f4a7c15u
+
+const xmlNode *calx_case_bearer(const xmlNode *node, const char *name)
+{
+    if (calx_case_given(node, name))
+        return node;
+    return calx_case_given(node->parent, name) ? node->parent : NULL;
+}
+
+double calx_case_radius(struct calx_reader *r, const xmlNode *node)
+{
+    const xmlNode *bearer = calx_case_bearer(node, "radius");
+    if (!bearer)
+        calx_case_fail(r, node, NULL, "attribute 'radius' is missing here and on <particles>");
+    return bearer ? calx_case_number(r, bearer, "radius") : NAN;
+}
+
+/* ---- groups
+ * -------------------------------------------------------------------------------------------- */
+
+static void read_random(struct calx_reader *r, const xmlNode *node, const char *name,
+                        const char *text, struct calx_start *start)
+{
+    const struct calx_attribute *row = calx_element_attribute(calx_case_element(node), name);
+    struct calx_error e;
+    if (calx_quantity_parse(text, row->unit, &start->random, &e))
+        calx_case_fail_with(r, node, name, &e);
+    else if (start->random < 0)
+        calx_case_fail(r, node, name, "random %g, expected at least 0", start->random);
+}
+
+/* In 2D a spin is one number, about z. */
+static void read_given(struct calx_reader *r, const xmlNode *node, const char *name,
+                       double value[3])
+{
+    double numbers[3] = {0, 0, 0};
+    bool about_z = strcmp(name, "spin") == 0 && r->scene->dimension == 2;
+    if (!about_z) {
+        calx_case_vector(r, node, name, value);
+        return;
+    }
+    size_t count = calx_case_list(r, node, name, numbers, 3);
+    if (count == 1)
+        value[2] = numbers[0];
+    else if (count == 3 && numbers[0] == 0 && numbers[1] == 0)
+        value[2] = numbers[2];
+    else if (count)
+        calx_case_fail(r, node, name, "%zu numbers, expected one in 2D, about z", count);
+}
+
+static struct calx_start read_start(struct calx_reader *r, const xmlNode *node, const char *name)
+{
+    struct calx_start start = {0};
+    const xmlNode *bearer = calx_case_bearer(node, name);
+    const char *text = bearer ? calx_case_given(bearer, name) : "";
+    start.given = bearer != NULL;
+    if (strncmp(text, "random ", 7) == 0)
+        read_random(r, bearer, name, text + 7, &start);
+    else if (bearer)
+        read_given(r, bearer, name, start.value);
+    return start;
+}
+
+static int group_material(struct calx_reader *r, const xmlNode *node)
+{
+    const xmlNode *bearer = calx_case_bearer(node, "material");
+    if (!bearer)
+        calx_case_fail(r, node, NULL, "attribute 'material' is missing here and on <particles>");
+    int material = bearer ? calx_case_material(r, bearer, "material") : -1;
+    if (material >= 0 && r->uses)
+        r->uses[material] |= CALX_BY_PARTICLES;
+    return material;
+}
+
+static uint64_t group_seed(struct calx_reader *r, const xmlNode *node, uint64_t ordinal)
+{
+    bool own =
+        calx_element_attribute(calx_case_element(node), "seed") && calx_case_given(node, "seed");
+    const xmlNode *bearer = own                                     ? node
+                            : calx_case_given(node->parent, "seed") ? node->parent
+                                                                    : NULL;
+    uint64_t seed = bearer ? (uint64_t)calx_case_whole(r, bearer, "seed") : r->scene->seed;
+    return own ? seed : seed + SEED_STEP * ordinal;
+}
+
+static struct calx_group read_group(struct calx_reader *r, const xmlNode *node, uint64_t ordinal)
+{
+    struct calx_group group = {.node = node};
+    const xmlNode *temperature = calx_case_bearer(node, "temperature"),
+                  *fixed = calx_case_bearer(node, "fixed");
+    group.material = group_material(r, node);
+    group.fixed = fixed && calx_case_yes(r, fixed, "fixed");
+    group.has_temperature =
+        temperature && calx_case_function(r, temperature, "temperature", &group.temperature);
+    group.velocity = read_start(r, node, "velocity");
+    group.spin = read_start(r, node, "spin");
+    group.seed = group_seed(r, node, ordinal);
+    calx_random_seed(&group.random, group.seed ^ SEED_STEP); /* apart from the stream of places */
+    return group;
+}
+
+/* ---- bodies
+ * -------------------------------------------------------------------------------------------- */
+
+static bool grow_array(void *array_pointer, size_t capacity, size_t entry_size)
+{
+    void **array = array_pointer, *grown = realloc(*array, capacity * entry_size);
+    if (grown)
+        *array = grown;
+    return grown != NULL;
+}
+
+static bool grow(struct calx_bed *bed)
+{
+    struct calx_particles *p = bed->particles;
+    size_t capacity = bed->capacity ? 2 * bed->capacity : 64;
+    bool done = grow_array(&p->position, capacity, sizeof *p->position) &&
+                grow_array(&p->radius, capacity, sizeof *p->radius) &&
+                grow_array(&p->material, capacity, sizeof *p->material) &&
+                grow_array(&p->velocity, capacity, sizeof *p->velocity) &&
+                grow_array(&p->spin, capacity, sizeof *p->spin) &&
+                grow_array(&p->temperature, capacity, sizeof *p->temperature) &&
+                grow_array(&p->fixed, capacity, sizeof *p->fixed);
+    if (done)
+        bed->capacity = capacity;
+    else
+        calx_problems_add(bed->reader->problems, (struct calx_place){bed->reader->file, 0},
+                          "no memory for particles");
+    return done;
+}
+
+static void draw_start(struct calx_group *group, const struct calx_start *start, const bool axes[3],
+                       double out[3])
+{
+    for (size_t k = 0; k < 3; k++)
+        out[k] =
+            start->value[k] + (start->random > 0 && axes[k]
+                                   ? start->random * (2 * calx_random_uniform(&group->random) - 1)
+                                   : 0.0);
+}
+
+int64_t calx_case_place_body(struct calx_bed *bed, struct calx_group *group,
+                             const double position[3], double radius)
+{
+    struct calx_particles *p = bed->particles;
+    bool plane = bed->reader->scene->dimension == 2;
+    size_t i = p->count;
+    if (i == bed->capacity && !grow(bed))
+        return -1;
+    memcpy(p->position[i], position, sizeof p->position[i]);
+    p->radius[i] = radius;
+    p->material[i] = group->material;
+    p->fixed[i] = group->fixed;
+    p->temperature[i] = group->has_temperature ? calx_evaluate(&group->temperature, 0.0, position)
+                                               : ROOM_TEMPERATURE;
+    draw_start(group, &group->velocity, (bool[]){true, true, !plane}, p->velocity[i]);
+    draw_start(group, &group->spin, (bool[]){!plane, !plane, true}, p->spin[i]);
+    if (!isfinite(p->temperature[i]) || p->temperature[i] < 0)
+        calx_case_fail(bed->reader, group->node, "temperature",
+                       "%g K at (%g, %g, %g) m, expected at least 0 K", p->temperature[i],
+                       position[0], position[1], position[2]);
+    bed->any_velocity |= group->velocity.given;
+    bed->any_spin |= group->spin.given;
+    bed->any_temperature |= group->has_temperature;
+    bed->any_fixed |= group->fixed;
+    return (int64_t)p->count++;
+}
+
+static void drop_unsaid(struct calx_bed *bed)
+{
+    struct calx_particles *p = bed->particles;
+    struct {
+        bool keep;
+        void **array;
+    } arrays[] = {{bed->any_velocity, (void **)&p->velocity},
+                  {bed->any_spin, (void **)&p->spin},
+                  {bed->any_temperature, (void **)&p->temperature},
+                  {bed->any_fixed, (void **)&p->fixed}};
+    for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
+        if (!arrays[k].keep) {
+            free(*arrays[k].array);
+            *arrays[k].array = NULL;
+        }
+}
+
+/* ---- elements
+ * ------------------------------------------------------------------------------------------ */
+
+static void read_particle(struct calx_bed *bed, struct calx_group *group)
+{
+    double at[3], radius = calx_case_radius(bed->reader, group->node);
+    if (calx_case_vector(bed->reader, group->node, "at", at) && !isnan(radius))
+        calx_case_place_body(bed, group, at, radius);
+}
+
+struct grid {
+    double from[3], spacing[3], radius;
+    size_t count[3];
+};
+
+static bool read_spacing(struct calx_reader *r, const xmlNode *node, struct grid *g)
+{
+    size_t count = calx_case_list(r, node, "spacing", g->spacing, 3);
+    if (!calx_case_given(node, "spacing"))
+        g->spacing[0] = 2 * g->radius;
+    else if (count != 1 && count != r->scene->dimension) {
+        if (count)
+            calx_case_fail(r, node, "spacing", "%zu numbers, expected 1 or %u", count,
+                           r->scene->dimension);
+        return false;
+    }
+    for (size_t k = count > 1 ? count : 1; k < 3; k++)
+        g->spacing[k] = g->spacing[0];
+    return true;
+}
+
+static bool count_to(struct calx_reader *r, const xmlNode *node, struct grid *g)
+{
+    double to[3];
+    if (!calx_case_vector(r, node, "to", to))
+        return false;
+    for (size_t k = 0; k < r->scene->dimension; k++) {
+        double steps = floor((to[k] - g->from[k]) / g->spacing[k] +
+                             1e-9); /* a corner on the grid is reached despite rounding */
+        if (steps < 0 || steps >= CALX_MOST_BODIES) {
+            calx_case_fail(r, node, "to",
+                           "expected a corner above 'from' with at most %d bodies between",
+                           CALX_MOST_BODIES);
+            return false;
+        }
+        g->count[k] = (size_t)steps + 1;
+    }
+    return true;
+}
+
+static bool read_counts(struct calx_reader *r, const xmlNode *node, struct grid *g)
+{
+    const char *text = calx_case_given(node, "count"), *words[4];
+    char *copy;
+    size_t count = calx_case_split(text, "", &copy, words, 4);
+    bool right = count == r->scene->dimension;
+    for (size_t k = 0; right && k < count; k++) {
+        char *end;
+        g->count[k] = strtoul(words[k], &end, 10);
+        right =
+            *end == '\0' && *words[k] != '-' && g->count[k] >= 1 && g->count[k] <= CALX_MOST_BODIES;
+    }
+    if (!right)
+        calx_case_fail(r, node, "count", "'%.80s', expected %u whole numbers from 1 to %d", text,
+                       r->scene->dimension, CALX_MOST_BODIES);
+    free(copy);
+    return right;
+}
+
+static void place_grid(struct calx_bed *bed, struct calx_group *group, const struct grid *g)
+{
+    size_t total = g->count[0] * g->count[1];
+    if (total > CALX_MOST_BODIES || total * g->count[2] > CALX_MOST_BODIES) {
+        calx_case_fail(bed->reader, group->node, NULL, "more than %d bodies", CALX_MOST_BODIES);
+        return;
+    }
+    for (size_t k = 0; k < g->count[2]; k++)
+        for (size_t j = 0; j < g->count[1]; j++)
+            for (size_t i = 0; i < g->count[0]; i++) {
+                double at[3] = {g->from[0] + (double)i * g->spacing[0],
+                                g->from[1] + (double)j * g->spacing[1],
+                                g->from[2] + (double)k * g->spacing[2]};
+                if (calx_case_place_body(bed, group, at, g->radius) < 0)
+                    return;
+            }
+}
+
+static void read_grid(struct calx_bed *bed, struct calx_group *group)
+{
+    struct calx_reader *r = bed->reader;
+    struct grid g = {.radius = calx_case_radius(r, group->node), .count = {1, 1, 1}};
+    bool has_to = calx_case_given(group->node, "to") != NULL,
+         has_count = calx_case_given(group->node, "count") != NULL;
+    bool good = calx_case_vector(r, group->node, "from", g.from) &&
+                read_spacing(r, group->node, &g) && !isnan(g.radius);
+    if (has_to == has_count)
+        calx_case_fail(r, group->node, NULL, "has %s, expected either 'to' or 'count'",
+                       has_to ? "both 'to' and 'count'" : "neither end nor number");
+    else if (good && (has_to ? count_to(r, group->node, &g) : read_counts(r, group->node, &g)))
+        place_grid(bed, group, &g);
+}
+
+static void read_body_element(struct calx_bed *bed, const xmlNode *node, uint64_t ordinal)
+{
+    static const struct {
+        const char *id;
+        void (*read)(struct calx_bed *, struct calx_group *);
+    } readers[] = {{"particle", read_particle},
+                   {"grid", read_grid},
+                   {"pack", calx_case_read_pack},
+                   {"csv", calx_case_read_csv}};
+    struct calx_group group = read_group(bed->reader, node, ordinal);
+    for (size_t k = 0; k < sizeof readers / sizeof *readers; k++)
+        if (strcmp(readers[k].id, calx_case_element(node)->id) == 0)
+            readers[k].read(bed, &group);
+}
+
+void calx_case_read_particles(struct calx_reader *r)
+{
+    struct calx_bed bed = {.reader = r, .particles = &r->scene->particles};
+    uint64_t ordinal = 0;
+    for (const xmlNode *node = calx_case_first(r->root, "particles"); node;
+         node = calx_case_next(node, "particles"))
+        for (const xmlNode *child = node->children; child; child = child->next)
+            if (child->type == XML_ELEMENT_NODE && child->_private)
+                read_body_element(&bed, child, ordinal++);
+    drop_unsaid(&bed);
+    if (!bed.particles->count && !r->problems->count)
+        calx_case_fail(r, r->root, NULL, "has no particle");
+}
