@@ -136,7 +136,7 @@ static void gather(const struct block_view *b, const uint32_t *list, size_t n, s
 {
     const struct calx_plan *plan = b->s->plan;
     size_t padded = (n + CALX_WIDTH - 1) / CALX_WIDTH * CALX_WIDTH;
-    double lag = plan->motion_law ? plan->motion_law->velocity_lag * b->dt : 0.0;
+    double lag = plan->motion_law && !plan->models->lever_full ? plan->motion_law->velocity_lag * b->dt : 0.0;
     c->n = n;
     for (size_t lane = 0; lane < n; lane++)
         gather_lane(b, c, lane, first + list[lane]);

@@ -41,7 +41,7 @@ static void keep_store(struct calx_sim *s)
 static void step_staged(struct calx_sim *s)
 {
     const struct calx_plan *p = s->plan;
-#pragma omp parallel for schedule(static) num_threads(s->threads)
+#pragma omp parallel for schedule(static) num_threads(s->team) if (s->team > 1)
     for (size_t b = 0; b < s->block_count; b++) {
         const struct calx_row_block *block = &s->blocks[b];
         release_store(s, block);

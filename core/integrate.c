@@ -46,7 +46,7 @@ void calx_integrate_before(struct calx_sim *s, size_t stage)
     const struct calx_motion_integrator *law = s->plan->motion_law;
     const void *params = s->plan->motion_params;
     double largest = 0.0;
-#pragma omp parallel for schedule(static) num_threads(s->threads) reduction(max : largest)
+#pragma omp parallel for schedule(static) num_threads(s->team) if (s->team > 1) reduction(max : largest)
     for (size_t b = 0; b < s->block_count; b++) {
         double *extra[CALX_EXTRA_MAX];
         struct calx_rows rows = translation_rows(s, &s->blocks[b], extra);
@@ -94,7 +94,7 @@ static void accelerate(struct calx_sim *s, struct calx_row_block *b)
 
 void calx_integrate_collect(struct calx_sim *s)
 {
-#pragma omp parallel for schedule(static) num_threads(s->threads)
+#pragma omp parallel for schedule(static) num_threads(s->team) if (s->team > 1)
     for (size_t b = 0; b < s->block_count; b++) {
         collect_ghosts(s, &s->blocks[b]);
         accelerate(s, &s->blocks[b]);
@@ -105,7 +105,7 @@ void calx_integrate_after(struct calx_sim *s, size_t stage)
 {
     const struct calx_motion_integrator *law = s->plan->motion_law;
     const void *params = s->plan->motion_params;
-#pragma omp parallel for schedule(static) num_threads(s->threads)
+#pragma omp parallel for schedule(static) num_threads(s->team) if (s->team > 1)
     for (size_t b = 0; b < s->block_count; b++) {
         double *extra[CALX_EXTRA_MAX];
         struct calx_rows rows = translation_rows(s, &s->blocks[b], extra);

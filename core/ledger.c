@@ -46,7 +46,7 @@ static long double sum_elastic(struct calx_sim *s)
     long double elastic = 0.0;
     if (!s->plan->law_count)
         return 0.0;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(s->threads)
+#pragma omp parallel for schedule(dynamic, 1) num_threads(s->team) if (s->team > 1)
     for (size_t b = 0; b < s->block_count; b++) {
         double ignored;
         s->engine->block_energy(s, b, &ignored);

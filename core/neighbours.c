@@ -242,6 +242,7 @@ static void clear(struct calx_rebuild *r, size_t lists)
 int calx_neighbours_scratch(struct calx_sim *s)
 {
     size_t longest = 0;
+    s->team = (size_t)s->threads < s->block_count ? s->threads : (int)s->block_count;
     for (size_t g = 0; g < s->group_count; g++)
         longest = s->groups[g].count > longest ? s->groups[g].count : longest;
     for (int t = 0; t < s->threads; t++) {

@@ -130,6 +130,7 @@ struct calx_sim {
     const struct calx_scene *scene;
     struct calx_registry *registry;
     int threads;
+    int team;                    /* threads that have blocks to work on */
     size_t plan_count;
     struct calx_plan *plans;    /* one per set of models */
     const struct calx_plan *plan;

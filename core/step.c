@@ -29,7 +29,7 @@ int calx_step_forces(struct calx_sim *s, double dt, bool conduct, struct calx_er
 {
     if (calx_neighbours_stale(s))
         CALX_TRY(calx_neighbours_build(s, e));
-#pragma omp parallel for schedule(dynamic, 1) num_threads(s->threads)
+#pragma omp parallel for schedule(dynamic, 1) num_threads(s->team) if (s->team > 1)
     for (size_t b = 0; b < s->block_count; b++)
         s->engine->block_forces(s, b, dt, conduct);
     if (s->features.wall_contacts)
