@@ -163,7 +163,7 @@ static bool choice_try(const struct calx_plugin *p, const struct calx_setup *set
         used += snprintf(c.where + used, sizeof c.where - (size_t)used, "%s%s=%g", used ? ", " : "", changes[k].row->name,
                          changes[k].value);
     }
-    char text[256] = "";
+    char text[240] = "";
     bool accepted = kinds[p->kind].prepare(&c, text, sizeof text) == 0;
     if (accepted) {
         visit(&c, report);

@@ -52,6 +52,23 @@ static void check_apart(const struct calx_choice *c, struct calx_conformance *re
     calx_conform_note(report, "no work without a contact before", (double)works, 0, c->where);
 }
 
+/* A law that does nothing would pass every other check. (A force that is clipped may be 0 in a few contacts that separate.) */
+static void check_acts(const struct calx_choice *c, struct calx_conformance *report)
+{
+    struct calx_trial t;
+    double idle = 0;
+    calx_trial_fill(&t, c, CALX_BATCH, SEED);
+    struct calx_trial before = t;
+    calx_trial_evaluate(&t, c);
+    for (size_t i = 0; i < t.n; i++) {
+        bool acts = false;
+        for (size_t k = CALX_COL_FN; k < CALX_COL_WORK; k++)
+            acts |= calx_trial_declared(c, k) && t.column[k][i] != before.column[k][i];
+        idle += !acts;
+    }
+    calx_conform_note(report, "contacts act", idle / (double)t.n, 0.9, c->where);
+}
+
 /* ---- objectivity ------------------------------------------------------------------------------------------- */
 
 static void rotate(double (*v)[CALX_BATCH], size_t c)
@@ -239,6 +256,7 @@ void calx_conform_contact(struct calx_choice *c, struct calx_conformance *report
     calx_trial_check_finite(c, report);
     check_apart(c, report, -c->demand.gap - 1e-6);
     check_apart(c, report, -c->demand.gap);
+    check_acts(c, report);
     check_objectivity(c, report);
     check_friction(c, report);
     if (law->provides & (CALX_NORMAL | CALX_COHESION))

@@ -19,7 +19,7 @@ static const double GAIN = 1e-10;
 /* Running sums per contact. */
 struct books {
     struct calx_trial t;
-    double work_in[CALX_BATCH], lost[CALX_BATCH], stored[CALX_BATCH], scale[CALX_BATCH];
+    double work_in[CALX_BATCH], lost[CALX_BATCH], stored[CALX_BATCH], scale[CALX_BATCH], residual[CALX_BATCH];
     double force[7][CALX_BATCH]; /* fn, ft, torque of the evaluation before */
 };
 
@@ -119,6 +119,8 @@ static void account(struct books *b, const struct calx_choice *c)
         b->lost[i] += b->t.column[CALX_COL_WORK][i];
         b->stored[i] = b->t.column[CALX_COL_ENERGY][i];
         b->scale[i] = fmax(b->scale[i], fmax(fabs(b->work_in[i]), fmax(fabs(b->lost[i]), b->stored[i])));
+        /* at every step: over a closed path errors of first order cancel */
+        b->residual[i] = fmax(b->residual[i], fabs(b->work_in[i] - b->stored[i] - b->lost[i]));
     }
 }
 
@@ -134,7 +136,7 @@ static double worst_residual(const struct books *b)
 {
     double worst = 0;
     for (size_t i = 0; i < b->t.n; i++)
-        worst = fmax(worst, fabs(b->work_in[i] - b->stored[i] - b->lost[i]) / (b->scale[i] + 1e-300));
+        worst = fmax(worst, b->residual[i] / (b->scale[i] + 1e-300));
     return worst;
 }
 
