@@ -116,8 +116,7 @@ int calx_restart_write(const char *path, uint64_t case_hash, const struct calx_b
         link(path, backup); /* a second name: `path` itself is never missing. Fails if there was no
                                file before, or no links */
         code = calx_file_commit(&file, e);
-        if (!code)
-            unlink(backup);
+        unlink(backup); /* after a failure too: then `path` is still the file before */
     }
     free(backup);
     return code;

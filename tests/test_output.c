@@ -199,6 +199,7 @@ int main(void)
 {
     Suite *suite = suite_create("output");
     TCase *tests = tcase_create("vtu");
+    tcase_set_timeout(tests, 120); /* a busy machine */
     tcase_add_checked_fixture(tests, make_folder, remove_folder);
     tcase_add_loop_test(tests, test_unwritable_folder, 0, COUNT(no_folder));
     tcase_add_test(tests, test_no_such_folder_can_be_made);

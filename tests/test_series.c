@@ -286,6 +286,7 @@ int main(void)
 {
     Suite *suite = suite_create("series");
     TCase *tests = tcase_create("series");
+    tcase_set_timeout(tests, 120); /* a busy machine */
     tcase_add_checked_fixture(tests, make_folder, remove_folder);
     tcase_add_test(tests, test_unwritable_folder);
     tcase_add_test(tests, test_disk_full);

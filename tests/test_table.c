@@ -110,6 +110,18 @@ START_TEST(test_table_resume)
 }
 END_TEST
 
+/* The row at the restart time may be written again. */
+START_TEST(test_table_resume_replaces)
+{
+    put_file("a.csv", HEADER "0,1,0,0\n1,2,0,0\n2,3,0,0\n");
+    struct calx_table *t = calx_table_resume(in_folder("a.csv"), columns, 4, 1, &error);
+    ck_assert_ptr_nonnull(t);
+    write_row(t, 1, 5);
+    calx_table_free(t);
+    expect_file("a.csv", HEADER "0,1,0,0\n1,5,0,0\n");
+}
+END_TEST
+
 START_TEST(test_table_resume_of_nothing)
 {
     struct calx_table *t = calx_table_resume(in_folder("a.csv"), columns, 4, 1, &error);
@@ -125,11 +137,13 @@ int main(void)
 {
     Suite *suite = suite_create("table");
     TCase *tests = tcase_create("table");
+    tcase_set_timeout(tests, 120); /* a busy machine */
     tcase_add_checked_fixture(tests, make_folder, remove_folder);
     tcase_add_test(tests, test_unwritable_folder);
     tcase_add_test(tests, test_disk_full);
     tcase_add_test(tests, test_table);
     tcase_add_loop_test(tests, test_table_resume, 0, COUNT(resumed));
+    tcase_add_test(tests, test_table_resume_replaces);
     tcase_add_test(tests, test_table_resume_of_nothing);
     suite_add_tcase(suite, tests);
     SRunner *runner = srunner_create(suite);
