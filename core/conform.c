@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * The conformance suite: the report, and the choices of parameters that a plugin is tried with, taken from its own table.
- * Input: a plugin that the loader accepted. Output: the worst figure of each check over all choices. The checks
- * themselves are in conform_contact.c, conform_cycle.c, conform_heat.c and conform_motion.c.
+ * The conformance suite: the report, and the choices of parameters that a plugin is tried with,
+ * taken from its own table. Input: a plugin that the loader accepted. Output: the worst figure of
+ * each check over all choices. The checks themselves are in conform_contact.c, conform_cycle.c,
+ * conform_heat.c and conform_motion.c.
  */
 #include "core/conform.h"
 
@@ -14,8 +15,15 @@
 #include "core/conform_parts.h"
 
 const struct calx_setup calx_conform_setups[2] = {
-    {.size = sizeof(struct calx_setup), .dimension = 3, .bodies = CALX_SPHERES, .velocity_lag = 0.5},
-    {.size = sizeof(struct calx_setup), .dimension = 2, .bodies = CALX_DISCS, .thickness = 1e-2, .velocity_lag = 0.5},
+    {.size = sizeof(struct calx_setup),
+     .dimension = 3,
+     .bodies = CALX_SPHERES,
+     .velocity_lag = 0.5},
+    {.size = sizeof(struct calx_setup),
+     .dimension = 2,
+     .bodies = CALX_DISCS,
+     .thickness = 1e-2,
+     .velocity_lag = 0.5},
 };
 
 double calx_conform_random(uint64_t *state, double low, double high)
@@ -26,7 +34,7 @@ double calx_conform_random(uint64_t *state, double low, double high)
     return low + (high - low) * (double)((z ^ z >> 31) >> 11) * 0x1p-53;
 }
 
-/* ---- the report ----------------------------------------------------------------------------------------- */
+/* ---- the report ---- */
 
 /* How far beyond its bound: comparable between figures of one check. */
 static double excess(double figure, double bound)
@@ -34,7 +42,8 @@ static double excess(double figure, double bound)
     return isnan(figure) ? INFINITY : figure - bound;
 }
 
-void calx_conform_note(struct calx_conformance *r, const char *name, double figure, double bound, const char *where)
+void calx_conform_note(struct calx_conformance *r, const char *name, double figure, double bound,
+                       const char *where)
 {
     size_t k = 0;
     while (k < r->count && strcmp(r->checks[k].name, name) != 0)
@@ -51,7 +60,7 @@ void calx_conform_note(struct calx_conformance *r, const char *name, double figu
     snprintf(c->where, sizeof c->where, "%s", where);
 }
 
-/* ---- values --------------------------------------------------------------------------------------------- */
+/* ---- values ---- */
 
 /* A value inside the range: its geometric middle, or a small number if the range reaches zero. */
 static double inside(const struct calx_parameter *row)
@@ -63,7 +72,9 @@ static double inside(const struct calx_parameter *row)
 
 double calx_choice_typical(const struct calx_parameter *row)
 {
-    return row->flags & CALX_OPTIONAL ? NAN : row->flags & CALX_REQUIRED ? inside(row) : row->initial;
+    return row->flags & CALX_OPTIONAL   ? NAN
+           : row->flags & CALX_REQUIRED ? inside(row)
+                                        : row->initial;
 }
 
 /* Another value than the typical one, or NaN if there is none. */
@@ -80,11 +91,12 @@ static double end(const struct calx_parameter *row, int upper)
     double v = upper ? row->max : row->min;
     v = isfinite(v) ? v : copysign(1e300, v);
     if (row->flags & (upper ? CALX_OPEN_MAX : CALX_OPEN_MIN))
-        v += (upper ? -1e-6 : 1e-6) * (isfinite(row->max - row->min) ? fmin(row->max - row->min, 1) : 1);
+        v += (upper ? -1e-6 : 1e-6) *
+             (isfinite(row->max - row->min) ? fmin(row->max - row->min, 1) : 1);
     return v;
 }
 
-/* ---- one choice ----------------------------------------------------------------------------------------- */
+/* ---- one choice ---- */
 
 /* The first phase of each kind. */
 static int prepare_contact(struct calx_choice *c, char *why, size_t why_size)
@@ -118,10 +130,15 @@ static const struct {
     size_t release; /* offset of the function in the law */
     calx_choice_visit *suite;
 } kinds[] = {
-    [CALX_CONTACT] = {prepare_contact, offsetof(struct calx_contact_law, release), calx_conform_contact},
-    [CALX_CONDUCTANCE] = {prepare_conductance, offsetof(struct calx_conductance_law, release), calx_conform_conductance},
-    [CALX_MOTION] = {prepare_motion, offsetof(struct calx_motion_integrator, release), calx_conform_motion},
-    [CALX_TEMPERATURE] = {prepare_temperature, offsetof(struct calx_temperature_integrator, release), calx_conform_temperature},
+    [CALX_CONTACT] = {prepare_contact, offsetof(struct calx_contact_law, release),
+                      calx_conform_contact},
+    [CALX_CONDUCTANCE] = {prepare_conductance, offsetof(struct calx_conductance_law, release),
+                          calx_conform_conductance},
+    [CALX_MOTION] = {prepare_motion, offsetof(struct calx_motion_integrator, release),
+                     calx_conform_motion},
+    [CALX_TEMPERATURE] = {prepare_temperature,
+                          offsetof(struct calx_temperature_integrator, release),
+                          calx_conform_temperature},
 };
 
 static void choice_release(struct calx_choice *c)
@@ -136,7 +153,8 @@ static void choice_put(struct calx_choice *c, const struct calx_parameter *row, 
 {
     double *field = (double *)((char *)c->params + row->offset);
     field[0] = value;
-    if (row->scope == CALX_MATERIAL) /* two materials that differ, so that exchanging them matters */
+    if (row->scope ==
+        CALX_MATERIAL) /* two materials that differ, so that exchanging them matters */
         field[1] = fmin(fmax(0.8 * value, row->min), row->max);
 }
 
@@ -147,10 +165,12 @@ struct change {
 };
 
 /* Prepares typical values with the changes, visits, releases. Returns whether prepare accepted. */
-static bool choice_try(const struct calx_plugin *p, const struct calx_setup *setup, const struct change changes[2],
-                       struct calx_conformance *report, calx_choice_visit *visit, char *why)
+static bool choice_try(const struct calx_plugin *p, const struct calx_setup *setup,
+                       const struct change changes[2], struct calx_conformance *report,
+                       calx_choice_visit *visit, char *why)
 {
-    struct calx_choice c = {.plugin = p, .setup = *setup, .params = calloc(1, p->params_size ? p->params_size : 1)};
+    struct calx_choice c = {
+        .plugin = p, .setup = *setup, .params = calloc(1, p->params_size ? p->params_size : 1)};
     int used = snprintf(c.where, sizeof c.where, "%s", setup->bodies == CALX_DISCS ? "discs" : "");
     if (!c.params)
         return false;
@@ -160,8 +180,8 @@ static bool choice_try(const struct calx_plugin *p, const struct calx_setup *set
         if (!changes[k].row)
             continue;
         choice_put(&c, changes[k].row, changes[k].value);
-        used += snprintf(c.where + used, sizeof c.where - (size_t)used, "%s%s=%g", used ? ", " : "", changes[k].row->name,
-                         changes[k].value);
+        used += snprintf(c.where + used, sizeof c.where - (size_t)used, "%s%s=%g", used ? ", " : "",
+                         changes[k].row->name, changes[k].value);
     }
     char text[240] = "";
     bool accepted = kinds[p->kind].prepare(&c, text, sizeof text) == 0;
@@ -174,8 +194,8 @@ static bool choice_try(const struct calx_plugin *p, const struct calx_setup *set
     return accepted;
 }
 
-size_t calx_choice_each(const struct calx_plugin *p, const struct calx_setup *setup, struct calx_conformance *report,
-                        calx_choice_visit *visit, char *why)
+size_t calx_choice_each(const struct calx_plugin *p, const struct calx_setup *setup,
+                        struct calx_conformance *report, calx_choice_visit *visit, char *why)
 {
     struct change changes[2] = {0};
     size_t count = choice_try(p, setup, changes, report, visit, why);
@@ -211,13 +231,15 @@ size_t calx_choice_each_bound(const struct calx_plugin *p, const struct calx_set
     return count;
 }
 
-/* ---- the suite -------------------------------------------------------------------------------------------- */
+/* ---- the suite ---- */
 
-int calx_conform_run(const struct calx_plugin *p, struct calx_conformance *report, struct calx_error *error)
+int calx_conform_run(const struct calx_plugin *p, struct calx_conformance *report,
+                     struct calx_error *error)
 {
     memset(report, 0, sizeof *report);
     if (p->kind < CALX_CONTACT || p->kind > CALX_TEMPERATURE)
-        return calx_error_set(error, CALX_ERROR_INPUT, "the plugin %s is of no known kind", p->name);
+        return calx_error_set(error, CALX_ERROR_INPUT, "the plugin %s is of no known kind",
+                              p->name);
     char why[256] = "";
     size_t accepted = 0;
     for (size_t k = 0; k < 2; k++) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * The conformance of a contact law, by evaluations that stand alone: nothing without overlap, the same physics in every
- * direction, Coulomb's limit, and reported energy, stiffness and damping that are the derivatives of the forces.
- * Paths in time are in conform_cycle.c.
+ * The conformance of a contact law, by evaluations that stand alone: nothing without overlap, the
+ * same physics in every direction, Coulomb's limit, and reported energy, stiffness and damping that
+ * are the derivatives of the forces. Paths in time are in conform_cycle.c.
  */
 #include <math.h>
 #include <string.h>
@@ -11,7 +11,8 @@
 
 enum { SEED = 31415 };
 
-/* Round-off of a few dozen operations on numbers that are rotated, relative to the largest of a column. */
+/* Round-off of a few dozen operations on numbers that are rotated, relative to the largest of a
+ * column. */
 static const double ROUND_OFF = 1e-11;
 /* Central differences with a relative step h: error of order h^2, and of order 1e-16/h. */
 static const double STEP = 1e-4, DERIVATIVE = 1e-6;
@@ -25,18 +26,20 @@ static double largest(const struct calx_trial *t, size_t column, size_t count)
     return most;
 }
 
-/* ---- nothing without overlap ----------------------------------------------------------------------------- */
+/* ---- nothing without overlap ---- */
 
-/* Evaluates contacts at `overlap` with and without the history of a real contact: forces must be exactly zero, and without
- * history the work too. */
-static void check_apart(const struct calx_choice *c, struct calx_conformance *report, double overlap)
+/* Evaluates contacts at `overlap` with and without the history of a real contact: forces must be
+ * exactly zero, and without history the work too. */
+static void check_apart(const struct calx_choice *c, struct calx_conformance *report,
+                        double overlap)
 {
     struct calx_trial t;
     size_t forces = 0, works = 0;
     calx_trial_fill(&t, c, CALX_BATCH, SEED);
     for (int history = 1; history >= 0; history--) {
         if (!history)
-            memset(t.column[CALX_COL_HISTORY], 0, sizeof t.column[0] * (CALX_COL_COUNT - CALX_COL_HISTORY));
+            memset(t.column[CALX_COL_HISTORY], 0,
+                   sizeof t.column[0] * (CALX_COL_COUNT - CALX_COL_HISTORY));
         for (size_t i = 0; i < t.n; i++)
             t.column[CALX_COL_OVERLAP][i] = overlap;
         calx_trial_clear(&t, c);
@@ -52,7 +55,8 @@ static void check_apart(const struct calx_choice *c, struct calx_conformance *re
     calx_conform_note(report, "no work without a contact before", (double)works, 0, c->where);
 }
 
-/* A law that does nothing would pass every other check. (A force that is clipped may be 0 in a few contacts that separate.) */
+/* A law that does nothing would pass every other check. (A force that is clipped may be 0 in a few
+ * contacts that separate.) */
 static void check_acts(const struct calx_choice *c, struct calx_conformance *report)
 {
     struct calx_trial t;
@@ -69,7 +73,7 @@ static void check_acts(const struct calx_choice *c, struct calx_conformance *rep
     calx_conform_note(report, "contacts act", idle / (double)t.n, 0.9, c->where);
 }
 
-/* ---- objectivity ------------------------------------------------------------------------------------------- */
+/* ---- objectivity ---- */
 
 static void rotate(double (*v)[CALX_BATCH], size_t c)
 {
@@ -82,7 +86,8 @@ static void rotate(double (*v)[CALX_BATCH], size_t c)
 
 static void rotate_all(struct calx_trial *t, const struct calx_choice *choice)
 {
-    static const size_t vectors[] = {CALX_COL_NORMAL, CALX_COL_VT, CALX_COL_SPIN, CALX_COL_FT, CALX_COL_TORQUE};
+    static const size_t vectors[] = {CALX_COL_NORMAL, CALX_COL_VT, CALX_COL_SPIN, CALX_COL_FT,
+                                     CALX_COL_TORQUE};
     for (size_t c = 0; c < t->n; c++) {
         for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
             rotate(&t->column[vectors[k]], c);
@@ -109,14 +114,16 @@ static void check_objectivity(const struct calx_choice *c, struct calx_conforman
     calx_conform_note(report, "same physics in every direction", worst, ROUND_OFF, c->where);
 }
 
-/* ---- friction ------------------------------------------------------------------------------------------------ */
+/* ---- friction ---- */
 
-/* A choice of words may say that friction limits something else: only the first word of each is checked. */
+/* A choice of words may say that friction limits something else: only the first word of each is
+ * checked. */
 static bool other_words(const struct calx_choice *c)
 {
     for (size_t i = 0; i < c->plugin->parameter_count; i++) {
         const struct calx_parameter *row = &c->plugin->parameters[i];
-        if (row->flags & CALX_CHOICE && *(const double *)((const char *)c->params + row->offset) != row->initial)
+        if (row->flags & CALX_CHOICE &&
+            *(const double *)((const char *)c->params + row->offset) != row->initial)
             return true;
     }
     return false;
@@ -146,7 +153,7 @@ static void check_friction(const struct calx_choice *c, struct calx_conformance 
     }
 }
 
-/* ---- derivatives ----------------------------------------------------------------------------------------------- */
+/* ---- derivatives ---- */
 
 /* A batch of new contacts at rest, all of them touching. */
 static void fill_rest(struct calx_trial *t, const struct calx_choice *c)
@@ -155,15 +162,17 @@ static void fill_rest(struct calx_trial *t, const struct calx_choice *c)
     for (size_t i = 0; i < t->n; i++)
         t->column[CALX_COL_OVERLAP][i] = fabs(t->column[CALX_COL_OVERLAP][i]);
     memset(t->column[CALX_COL_VN], 0, sizeof t->column[0]);
-    memset(t->column[CALX_COL_HISTORY], 0, sizeof t->column[0] * (CALX_COL_COUNT - CALX_COL_HISTORY));
+    memset(t->column[CALX_COL_HISTORY], 0,
+           sizeof t->column[0] * (CALX_COL_COUNT - CALX_COL_HISTORY));
     for (size_t k = CALX_COL_VT; k < CALX_COL_SPIN + 3; k++)
         if (calx_trial_declared(c, k))
             memset(t->column[k], 0, sizeof t->column[0]);
 }
 
-/* Evaluates and responds with the overlap times `factor` and the normal velocity vn[i] (NULL: 0). */
-static void probe(const struct calx_trial *rest, const struct calx_choice *c, double factor, const double *vn, double sign,
-                  struct calx_trial *out)
+/* Evaluates and responds with the overlap times `factor` and the normal velocity vn[i] (NULL: 0).
+ */
+static void probe(const struct calx_trial *rest, const struct calx_choice *c, double factor,
+                  const double *vn, double sign, struct calx_trial *out)
 {
     *out = *rest;
     for (size_t i = 0; i < rest->n; i++) {
@@ -184,10 +193,12 @@ static void check_normal_derivatives(const struct calx_choice *c, struct calx_co
     probe(&rest, c, 1 + STEP, NULL, 0, &up);
     probe(&rest, c, 1 - STEP, NULL, 0, &down);
     for (size_t i = 0; i < rest.n; i++) {
-        double d = rest.column[CALX_COL_OVERLAP][i], f = mid.column[CALX_COL_FN][i] - rest.column[CALX_COL_FN][i];
+        double d = rest.column[CALX_COL_OVERLAP][i],
+               f = mid.column[CALX_COL_FN][i] - rest.column[CALX_COL_FN][i];
         double k = mid.column[CALX_COL_STIFFNESS][i], ct = mid.column[CALX_COL_DAMPING][i];
         double slope = (up.column[CALX_COL_FN][i] - down.column[CALX_COL_FN][i]) / (2 * STEP * d);
-        double release = (up.column[CALX_COL_ENERGY][i] - down.column[CALX_COL_ENERGY][i]) / (2 * STEP * d);
+        double release =
+            (up.column[CALX_COL_ENERGY][i] - down.column[CALX_COL_ENERGY][i]) / (2 * STEP * d);
         energy = fmax(energy, fabs(release - f) / (fabs(f) + 1e-300));
         stiffness = fmax(stiffness, fabs(slope - k) / (fabs(k) + fabs(f) / d + 1e-300));
         vn[i] = 1e-3 * fabs(f) / (ct > 0 ? ct : 1);
@@ -204,14 +215,16 @@ static void check_normal_derivatives(const struct calx_choice *c, struct calx_co
     calx_conform_note(report, "reported normal damping", damping, DERIVATIVE, c->where);
 }
 
-/* The size of the tangential force after one step dt at a small speed, over that speed: kt dt + ct. */
-static void tangential_slope(const struct calx_trial *rest, const struct calx_choice *c, const double *speed, double dt,
-                             double *slope)
+/* The size of the tangential force after one step dt at a small speed, over that speed: kt dt + ct.
+ */
+static void tangential_slope(const struct calx_trial *rest, const struct calx_choice *c,
+                             const double *speed, double dt, double *slope)
 {
     struct calx_trial t = *rest;
     t.dt = dt;
     for (size_t i = 0; i < t.n; i++) { /* any direction across the normal */
-        double x = t.column[CALX_COL_NORMAL][i], y = t.column[CALX_COL_NORMAL + 1][i], s = sqrt(x * x + y * y);
+        double x = t.column[CALX_COL_NORMAL][i], y = t.column[CALX_COL_NORMAL + 1][i],
+               s = sqrt(x * x + y * y);
         t.column[CALX_COL_VT][i] = -speed[i] * y / s;
         t.column[CALX_COL_VT + 1][i] = speed[i] * x / s;
     }
@@ -220,10 +233,12 @@ static void tangential_slope(const struct calx_trial *rest, const struct calx_ch
     for (size_t i = 0; i < t.n; i++)
         slope[i] = sqrt(t.column[CALX_COL_FT][i] * t.column[CALX_COL_FT][i] +
                         t.column[CALX_COL_FT + 1][i] * t.column[CALX_COL_FT + 1][i] +
-                        t.column[CALX_COL_FT + 2][i] * t.column[CALX_COL_FT + 2][i]) / speed[i];
+                        t.column[CALX_COL_FT + 2][i] * t.column[CALX_COL_FT + 2][i]) /
+                   speed[i];
 }
 
-static void check_tangential_derivatives(const struct calx_choice *c, struct calx_conformance *report)
+static void check_tangential_derivatives(const struct calx_choice *c,
+                                         struct calx_conformance *report)
 {
     struct calx_trial rest, mid;
     double speed[CALX_BATCH], one[CALX_BATCH], two[CALX_BATCH], worst = 0;
@@ -242,10 +257,11 @@ static void check_tangential_derivatives(const struct calx_choice *c, struct cal
         double growth = two[i] - one[i], scale = kt[i] * dt + ct[i] + 1e-9;
         worst = fmax(worst, (fabs(growth - kt[i] * dt) + fabs(one[i] - growth - ct[i])) / scale);
     }
-    calx_conform_note(report, "reported tangential stiffness and damping", worst, DERIVATIVE, c->where);
+    calx_conform_note(report, "reported tangential stiffness and damping", worst, DERIVATIVE,
+                      c->where);
 }
 
-/* ---- all -------------------------------------------------------------------------------------------------------- */
+/* ---- all ---- */
 
 void calx_conform_contact(struct calx_choice *c, struct calx_conformance *report)
 {

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * The conformance of conductances (the same seen from both bodies, not negative, none without overlap) and of integrators of
- * temperature: order against a reference with small steps, heat kept to round-off, stability limit, equilibrium undisturbed.
- * The network is a chain of unlike bodies with a source, and a wall at one end.
+ * The conformance of conductances (the same seen from both bodies, not negative, none without
+ * overlap) and of integrators of temperature: order against a reference with small steps, heat kept
+ * to round-off, stability limit, equilibrium undisturbed. The network is a chain of unlike bodies
+ * with a source, and a wall at one end.
  */
 #include <math.h>
 #include <string.h>
@@ -16,7 +17,7 @@ static const double ROUND_OFF = 1e-13;
 static const double ORDER_SLACK = 0.2;
 static const double LIMIT_SLACK = 0.02;
 
-/* ---- conductances ---------------------------------------------------------------------------------------------- */
+/* ---- conductances ---- */
 
 static void swap(double *a, double *b)
 {
@@ -25,7 +26,8 @@ static void swap(double *a, double *b)
     *b = keep;
 }
 
-/* The other way round: materials, curvatures and temperatures exchanged, the normal turned. Calls prepare anew. */
+/* The other way round: materials, curvatures and temperatures exchanged, the normal turned. Calls
+ * prepare anew. */
 static double asymmetry(struct calx_choice *c)
 {
     const struct calx_plugin *p = c->plugin;
@@ -82,7 +84,7 @@ void calx_conform_conductance(struct calx_choice *c, struct calx_conformance *re
     calx_conform_note(report, "the same from both bodies", asymmetry(c), ROUND_OFF, c->where);
 }
 
-/* ---- integrators of temperature -------------------------------------------------------------------------------- */
+/* ---- integrators of temperature ---- */
 
 struct chain {
     struct calx_network net;
@@ -106,11 +108,20 @@ static void chain_begin(struct chain *c, double dt, bool unlike)
     }
     c->boundary_conductance[0] = 0.7;
     c->boundary_temperature[0] = unlike ? 350 : 300;
-    c->net = (struct calx_network){
-        .size = sizeof c->net, .n = BODIES, .dt = dt, .temperature = c->temperature, .capacity = c->capacity,
-        .source = c->source, .edges = EDGES, .edge = {c->from, c->to}, .edge_conductance = c->conductance,
-        .boundaries = unlike, .boundary = c->boundary, .boundary_conductance = c->boundary_conductance,
-        .boundary_temperature = c->boundary_temperature, .boundary_heat = c->boundary_heat};
+    c->net = (struct calx_network){.size = sizeof c->net,
+                                   .n = BODIES,
+                                   .dt = dt,
+                                   .temperature = c->temperature,
+                                   .capacity = c->capacity,
+                                   .source = c->source,
+                                   .edges = EDGES,
+                                   .edge = {c->from, c->to},
+                                   .edge_conductance = c->conductance,
+                                   .boundaries = unlike,
+                                   .boundary = c->boundary,
+                                   .boundary_conductance = c->boundary_conductance,
+                                   .boundary_temperature = c->boundary_temperature,
+                                   .boundary_heat = c->boundary_heat};
 }
 
 static void chain_flow(const struct chain *c, const double *t, double *q)
@@ -138,7 +149,8 @@ static bool chain_step(struct chain *c, const struct calx_choice *choice, size_t
     double q[BODIES], inverse[BODIES], t[4 * BODIES] = {0}, rows[4 * BODIES] = {0};
     chain_flow(c, c->temperature, q);
     for (size_t b = 0; b < c->net.boundaries; b++)
-        c->wall_heat += c->net.dt * c->boundary_conductance[0] * (c->boundary_temperature[0] - c->temperature[0]);
+        c->wall_heat += c->net.dt * c->boundary_conductance[0] *
+                        (c->boundary_temperature[0] - c->temperature[0]);
     for (size_t i = 0; i < BODIES; i++)
         t[stride * i] = c->temperature[i], rows[stride * i] = q[i], inverse[i] = 1 / c->capacity[i];
     law->advance(choice->params, BODIES, c->net.dt, t, stride, rows, stride, inverse);
@@ -196,7 +208,8 @@ static void check_order(const struct calx_choice *choice, struct calx_conformanc
     const struct calx_temperature_integrator *law = choice->plugin->law;
     double coarse = error_after(choice, 64), fine = error_after(choice, 128);
     double lack = law->order - log2(coarse / fine);
-    calx_conform_note(report, "order as declared", isnan(lack) ? NAN : fmax(lack, 0), ORDER_SLACK, choice->where);
+    calx_conform_note(report, "order as declared", isnan(lack) ? NAN : fmax(lack, 0), ORDER_SLACK,
+                      choice->where);
 }
 
 static void check_heat(const struct calx_choice *choice, struct calx_conformance *report)
@@ -258,7 +271,8 @@ static void check_stability(const struct calx_choice *choice, struct calx_confor
         else
             high = middle;
     }
-    calx_conform_note(report, "stability limit as declared", bracketed ? fabs(low / law->stability - 1) : INFINITY, LIMIT_SLACK,
+    calx_conform_note(report, "stability limit as declared",
+                      bracketed ? fabs(low / law->stability - 1) : INFINITY, LIMIT_SLACK,
                       choice->where);
 }
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * The conformance of an integrator of motion: its order, stability limit, reversibility and the moment of its velocities measured on
- * oscillators x'' = -x, for spins on w' = cos t; and the contract of its rows: lanes without a step stay, no row depends on
- * the others, a body may be moved by a period of the domain, nothing is written beyond the range.
+ * The conformance of an integrator of motion: its order, stability limit, reversibility and the
+ * moment of its velocities measured on oscillators x'' = -x, for spins on w' = cos t; and the
+ * contract of its rows: lanes without a step stay, no row depends on the others, a body may be
+ * moved by a period of the domain, nothing is written beyond the range.
  */
 #include <math.h>
 #include <string.h>
@@ -11,7 +12,8 @@
 
 enum { BODIES = 7, EXTRA_MAX = 8 };
 
-/* The order is measured between 200 and 400 steps per period, where the next term of the error changes it by less than 0.05. */
+/* The order is measured between 200 and 400 steps per period, where the next term of the error
+ * changes it by less than 0.05. */
 static const double ORDER_SLACK = 0.2;
 /* The limit is found to 0.1 %; close to it growth needs thousands of steps to show. */
 static const double LIMIT_SLACK = 0.02;
@@ -34,15 +36,22 @@ struct rows {
 static void rows_begin(struct rows *s, size_t n, size_t stride, double dt, bool spins)
 {
     memset(s, 0, sizeof *s);
-    s->r = (struct calx_rows){.size = sizeof s->r, .n = n, .stride = stride, .dt = {dt, dt, 0, 0}, .x = spins ? NULL : s->x,
-                              .v = s->v, .a = s->a, .extra = s->extra_of};
+    s->r = (struct calx_rows){.size = sizeof s->r,
+                              .n = n,
+                              .stride = stride,
+                              .dt = {dt, dt, 0, 0},
+                              .x = spins ? NULL : s->x,
+                              .v = s->v,
+                              .a = s->a,
+                              .extra = s->extra_of};
     s->omega = 1;
     s->spins = spins;
     for (size_t k = 0; k < EXTRA_MAX; k++)
         s->extra_of[k] = s->extra[k];
     for (size_t i = 0; i < n; i++) {
         double phase = 0.3 * (double)i;
-        s->x[4 * i] = cos(phase), s->x[4 * i + 1] = sin(phase), s->x[4 * i + 2] = 2, s->x[4 * i + 3] = 3;
+        s->x[4 * i] = cos(phase), s->x[4 * i + 1] = sin(phase), s->x[4 * i + 2] = 2,
+                 s->x[4 * i + 3] = 3;
         double *v = s->v + i * stride;
         v[0] = spins ? 0 : -sin(phase), v[1] = spins ? 0 : cos(phase), v[2] = 5, v[3] = 7;
     }
@@ -53,8 +62,8 @@ static void rows_accelerate(struct rows *s, double shift)
 {
     for (size_t i = 0; i < s->r.n; i++)
         for (size_t k = 0; k < 2; k++)
-            s->a[i * s->r.stride + k] =
-                s->spins ? cos(s->time + (s->phase + 0.3 * (double)i)) : -s->omega * s->omega * (s->x[4 * i + k] - shift);
+            s->a[i * s->r.stride + k] = s->spins ? cos(s->time + (s->phase + 0.3 * (double)i))
+                                                 : -s->omega * s->omega * (s->x[4 * i + k] - shift);
 }
 
 static void rows_step(struct rows *s, const struct calx_choice *c, double shift)
@@ -78,9 +87,10 @@ static void rows_run(struct rows *s, const struct calx_choice *c, size_t steps)
         rows_step(s, c, 0);
 }
 
-/* ---- accuracy ---------------------------------------------------------------------------------------------- */
+/* ---- accuracy ---- */
 
-/* The error of position and velocity after a quarter more than a period, of which nothing is special. */
+/* The error of position and velocity after a quarter more than a period, of which nothing is
+ * special. */
 static double error_after(const struct calx_choice *c, size_t steps, bool spins)
 {
     struct rows s;
@@ -92,12 +102,14 @@ static double error_after(const struct calx_choice *c, size_t steps, bool spins)
         if (spins)
             worst = fmax(worst, fabs(s.v[4 * i] - (sin(end + phase) - sin(phase))));
         else
-            worst = fmax(worst, hypot(s.x[4 * i] - cos(end + phase), s.v[4 * i] + sin(end + phase)));
+            worst =
+                fmax(worst, hypot(s.x[4 * i] - cos(end + phase), s.v[4 * i] + sin(end + phase)));
     }
     return worst;
 }
 
-static void check_order(const struct calx_choice *c, struct calx_conformance *report, bool spins, const char *name)
+static void check_order(const struct calx_choice *c, struct calx_conformance *report, bool spins,
+                        const char *name)
 {
     const struct calx_motion_integrator *law = c->plugin->law;
     double coarse = error_after(c, 250, spins), fine = error_after(c, 500, spins);
@@ -106,7 +118,8 @@ static void check_order(const struct calx_choice *c, struct calx_conformance *re
     calx_conform_note(report, name, fmax(lack, 0), ORDER_SLACK, c->where);
 }
 
-/* The velocity at a force evaluation, against that of `lag` steps before. Body 0 starts at rest, so look where a is large: t = pi. */
+/* The velocity at a force evaluation, against that of `lag` steps before. Body 0 starts at rest, so
+ * look where a is large: t = pi. */
 static void check_lag(const struct calx_choice *c, struct calx_conformance *report)
 {
     const struct calx_motion_integrator *law = c->plugin->law;
@@ -119,10 +132,11 @@ static void check_lag(const struct calx_choice *c, struct calx_conformance *repo
     if (law->translation->before)
         law->translation->before(c->params, &s.r);
     double lag = -s.v[0] / (1 * s.r.dt[0]); /* v(pi - lag dt) = -sin(pi - lag dt) = -lag dt */
-    calx_conform_note(report, "velocities lag as declared", fabs(lag - law->velocity_lag), LAG_SLACK, c->where);
+    calx_conform_note(report, "velocities lag as declared", fabs(lag - law->velocity_lag),
+                      LAG_SLACK, c->where);
 }
 
-/* ---- stability --------------------------------------------------------------------------------------------- */
+/* ---- stability ---- */
 
 static bool is_stable(const struct calx_choice *c, double omega_dt)
 {
@@ -150,8 +164,8 @@ static void check_stability(const struct calx_choice *c, struct calx_conformance
         else
             high = middle;
     }
-    calx_conform_note(report, "stability limit as declared", bracketed ? fabs(low / law->stability - 1) : INFINITY, LIMIT_SLACK,
-                      c->where);
+    calx_conform_note(report, "stability limit as declared",
+                      bracketed ? fabs(low / law->stability - 1) : INFINITY, LIMIT_SLACK, c->where);
 }
 
 static void check_reversible(const struct calx_choice *c, struct calx_conformance *report)
@@ -173,9 +187,10 @@ static void check_reversible(const struct calx_choice *c, struct calx_conformanc
     calx_conform_note(report, "comes back when velocities are turned", worst, BACK, c->where);
 }
 
-/* ---- rows ---------------------------------------------------------------------------------------------------- */
+/* ---- rows ---- */
 
-/* Lanes whose step is 0, and everything beyond the range, keep their bits; extra rows beyond those declared too. */
+/* Lanes whose step is 0, and everything beyond the range, keep their bits; extra rows beyond those
+ * declared too. */
 static void check_lanes(const struct calx_choice *c, struct calx_conformance *report, bool spins)
 {
     const struct calx_motion_integrator *law = c->plugin->law;
@@ -195,7 +210,8 @@ static void check_lanes(const struct calx_choice *c, struct calx_conformance *re
             count += s.extra[k][i] != 0;
     for (size_t i = 0; i < 4; i++)
         count += s.x[4 * BODIES + i] != 0 || s.v[8 * BODIES + i] != 0;
-    calx_conform_note(report, "lanes without a step and rows of others stay", (double)count, 0, c->where);
+    calx_conform_note(report, "lanes without a step and rows of others stay", (double)count, 0,
+                      c->where);
 }
 
 /* All bodies in one range, and each alone: the same bits. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * What the parts of the conformance suite share: the report, choices of parameters, batches, random numbers. Private to
- * core/conform*.c.
+ * What the parts of the conformance suite share: the report, choices of parameters, batches, random
+ * numbers. Private to core/conform*.c.
  */
 #ifndef CALX_CONFORM_PARTS_H
 #define CALX_CONFORM_PARTS_H
@@ -10,12 +10,14 @@
 
 #include "core/conform.h"
 
-/* ---- the report --------------------------------------------------------------------------------------- */
+/* ---- the report ---- */
 
-/* Notes a figure for the check `name` (a literal): the worst per check is kept; NaN is worst of all. */
-void calx_conform_note(struct calx_conformance *, const char *name, double figure, double bound, const char *where);
+/* Notes a figure for the check `name` (a literal): the worst per check is kept; NaN is worst of
+ * all. */
+void calx_conform_note(struct calx_conformance *, const char *name, double figure, double bound,
+                       const char *where);
 
-/* ---- one choice of parameters ------------------------------------------------------------------------- */
+/* ---- one choice of parameters ---- */
 
 struct calx_choice {
     const struct calx_plugin *plugin;
@@ -25,24 +27,26 @@ struct calx_choice {
     char where[200];
 };
 
-/* The value that stands for a row when nothing else is asked for: its default, NaN if optional, else one inside the range. */
+/* The value that stands for a row when nothing else is asked for: its default, NaN if optional,
+ * else one inside the range. */
 double calx_choice_typical(const struct calx_parameter *);
 
 typedef void calx_choice_visit(struct calx_choice *, struct calx_conformance *);
 
-/* Calls visit for the typical values, then with one row, then two rows, at another value inside their range. Choices that prepare
- * refuses are left out. Returns how many were visited; why (of 256) is the text of the last refusal. */
-size_t calx_choice_each(const struct calx_plugin *, const struct calx_setup *, struct calx_conformance *,
-                        calx_choice_visit *, char *why);
+/* Calls visit for the typical values, then with one row, then two rows, at another value inside
+ * their range. Choices that prepare refuses are left out. Returns how many were visited; why (of
+ * 256) is the text of the last refusal. */
+size_t calx_choice_each(const struct calx_plugin *, const struct calx_setup *,
+                        struct calx_conformance *, calx_choice_visit *, char *why);
 
 /* The same with each row at each end of its range, one at a time (words: every one). */
-size_t calx_choice_each_bound(const struct calx_plugin *, const struct calx_setup *, struct calx_conformance *,
-                              calx_choice_visit *);
+size_t calx_choice_each_bound(const struct calx_plugin *, const struct calx_setup *,
+                              struct calx_conformance *, calx_choice_visit *);
 
 /* Spheres in 3D, discs in 2D: what a law is tried with. It must accept one of them. */
 extern const struct calx_setup calx_conform_setups[2];
 
-/* ---- batches ------------------------------------------------------------------------------------------ */
+/* ---- batches ---- */
 
 enum calx_column {
     CALX_COL_OVERLAP,
@@ -73,8 +77,9 @@ struct calx_trial {
     _Alignas(64) double column[CALX_COL_COUNT][CALX_BATCH];
 };
 
-/* n contacts of bodies of a few millimetres, with speeds up to 1 m/s; one in four does not touch, one in four is with a wall. History
- * is what a few evaluations left. Inputs that the choice has not declared are NaN. */
+/* n contacts of bodies of a few millimetres, with speeds up to 1 m/s; one in four does not touch,
+ * one in four is with a wall. History is what a few evaluations left. Inputs that the choice has
+ * not declared are NaN. */
 void calx_trial_fill(struct calx_trial *, const struct calx_choice *, size_t n, uint64_t seed);
 
 /* Sets outputs to zero (fn to the normal force of the laws before, if the law asked for it). */
@@ -89,8 +94,8 @@ void calx_trial_respond(struct calx_trial *, const struct calx_choice *);
 /* Whether the choice has declared the column; those without a need are always there. */
 bool calx_trial_declared(const struct calx_choice *, size_t column);
 
-/* Checks that hold for every kernel over a batch: bitwise equal when cut or permuted, padding ignored, undeclared inputs
- * unused, undeclared outputs untouched. */
+/* Checks that hold for every kernel over a batch: bitwise equal when cut or permuted, padding
+ * ignored, undeclared inputs unused, undeclared outputs untouched. */
 void calx_trial_check_batches(const struct calx_choice *, struct calx_conformance *);
 
 /* Whether the plugin's outputs are finite, for overlaps down to the smallest number. */
@@ -99,9 +104,10 @@ void calx_trial_check_finite(struct calx_choice *, struct calx_conformance *);
 /* A number in [low, high). */
 double calx_conform_random(uint64_t *state, double low, double high);
 
-/* ---- the kinds ------------------------------------------------------------------------------------------ */
+/* ---- the kinds ---- */
 
-calx_choice_visit calx_conform_contact, calx_conform_conductance, calx_conform_motion, calx_conform_temperature;
+calx_choice_visit calx_conform_contact, calx_conform_conductance, calx_conform_motion,
+    calx_conform_temperature;
 
 /* Energy over closed paths (conform_cycle.c). */
 calx_choice_visit calx_conform_cycles;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Batches for the conformance suite: fills them, hands them to a plugin, and checks what every kernel over a batch must do: the same
- * bits however contacts are grouped, nothing from padding or from inputs that were not declared, nothing into outputs
- * that were not, and no number that is not finite.
+ * Batches for the conformance suite: fills them, hands them to a plugin, and checks what every
+ * kernel over a batch must do: the same bits however contacts are grouped, nothing from padding or
+ * from inputs that were not declared, nothing into outputs that were not, and no number that is not
+ * finite.
  */
 #include <math.h>
 #include <string.h>
@@ -16,9 +17,12 @@ static const struct {
     size_t first, count;
     uint32_t need;
 } conditional[] = {
-    {CALX_COL_VT, 3, CALX_NEEDS_TANGENT},           {CALX_COL_FT, 3, CALX_NEEDS_TANGENT},
-    {CALX_COL_SPIN, 3, CALX_NEEDS_SPIN},            {CALX_COL_TORQUE, 3, CALX_NEEDS_SPIN},
-    {CALX_COL_TEMPERATURE, 2, CALX_NEEDS_TEMPERATURE}, {CALX_COL_COULOMB, 1, CALX_NEEDS_NORMAL_FORCE},
+    {CALX_COL_VT, 3, CALX_NEEDS_TANGENT},
+    {CALX_COL_FT, 3, CALX_NEEDS_TANGENT},
+    {CALX_COL_SPIN, 3, CALX_NEEDS_SPIN},
+    {CALX_COL_TORQUE, 3, CALX_NEEDS_SPIN},
+    {CALX_COL_TEMPERATURE, 2, CALX_NEEDS_TEMPERATURE},
+    {CALX_COL_COULOMB, 1, CALX_NEEDS_NORMAL_FORCE},
 };
 
 static size_t history_columns(const struct calx_choice *c)
@@ -36,11 +40,12 @@ bool calx_trial_declared(const struct calx_choice *c, size_t column)
     return column < CALX_COL_HISTORY || column < CALX_COL_HISTORY + history_columns(c);
 }
 
-/* ---- filling ---------------------------------------------------------------------------------------------- */
+/* ---- filling ---- */
 
 static void fill_geometry(struct calx_trial *t, size_t c, uint64_t *seed)
 {
-    double *const r = (double[]){calx_conform_random(seed, 1e-3, 5e-3), calx_conform_random(seed, 1e-3, 5e-3)};
+    double *const r =
+        (double[]){calx_conform_random(seed, 1e-3, 5e-3), calx_conform_random(seed, 1e-3, 5e-3)};
     bool wall = c % 4 == 3;
     double mass[2], (*col)[CALX_BATCH] = t->column;
     for (int k = 0; k < 2; k++) {
@@ -49,7 +54,8 @@ static void fill_geometry(struct calx_trial *t, size_t c, uint64_t *seed)
         col[CALX_COL_TEMPERATURE + k][c] = calx_conform_random(seed, 300, 400);
     }
     col[CALX_COL_INVERSE_MASS][c] = 1 / mass[0] + (wall ? 0 : 1 / mass[1]);
-    col[CALX_COL_OVERLAP][c] = (c % 4 == 2 ? -0.01 : 0.02) * calx_conform_random(seed, 0.01, 1) * r[0];
+    col[CALX_COL_OVERLAP][c] =
+        (c % 4 == 2 ? -0.01 : 0.02) * calx_conform_random(seed, 0.01, 1) * r[0];
     col[CALX_COL_COULOMB][c] = calx_conform_random(seed, 0.1, 1);
 }
 
@@ -80,7 +86,8 @@ static void poison(struct calx_trial *t, const struct calx_choice *choice)
                 t->column[k][c] = NAN;
 }
 
-void calx_trial_fill(struct calx_trial *t, const struct calx_choice *choice, size_t n, uint64_t seed)
+void calx_trial_fill(struct calx_trial *t, const struct calx_choice *choice, size_t n,
+                     uint64_t seed)
 {
     memset(t, 0, sizeof *t);
     t->n = n;
@@ -112,14 +119,20 @@ void calx_trial_clear(struct calx_trial *t, const struct calx_choice *choice)
             t->column[CALX_COL_FN][c] = NAN;
 }
 
-/* ---- calling ---------------------------------------------------------------------------------------------- */
+/* ---- calling ---- */
 
 static struct calx_contacts view(struct calx_trial *t, double *history[])
 {
     double(*col)[CALX_BATCH] = t->column;
-    struct calx_contacts b = {.size = sizeof b, .n = t->n, .dt = t->dt, .overlap = col[CALX_COL_OVERLAP],
-                              .vn = col[CALX_COL_VN], .inverse_mass = col[CALX_COL_INVERSE_MASS],
-                              .coulomb = col[CALX_COL_COULOMB], .fn = col[CALX_COL_FN], .work = col[CALX_COL_WORK],
+    struct calx_contacts b = {.size = sizeof b,
+                              .n = t->n,
+                              .dt = t->dt,
+                              .overlap = col[CALX_COL_OVERLAP],
+                              .vn = col[CALX_COL_VN],
+                              .inverse_mass = col[CALX_COL_INVERSE_MASS],
+                              .coulomb = col[CALX_COL_COULOMB],
+                              .fn = col[CALX_COL_FN],
+                              .work = col[CALX_COL_WORK],
                               .history = history};
     for (int k = 0; k < 3; k++) {
         b.normal[k] = col[CALX_COL_NORMAL + k];
@@ -144,14 +157,16 @@ void calx_trial_evaluate(struct calx_trial *t, const struct calx_choice *c)
     if (c->plugin->kind == CALX_CONTACT)
         ((const struct calx_contact_law *)c->plugin->law)->force(c->params, &b);
     else
-        ((const struct calx_conductance_law *)c->plugin->law)->conductance(c->params, &b, t->column[CALX_COL_CONDUCTANCE]);
+        ((const struct calx_conductance_law *)c->plugin->law)
+            ->conductance(c->params, &b, t->column[CALX_COL_CONDUCTANCE]);
 }
 
 void calx_trial_respond(struct calx_trial *t, const struct calx_choice *c)
 {
     double *history[CALX_COL_COUNT - CALX_COL_HISTORY], (*col)[CALX_BATCH] = t->column;
     struct calx_contacts b = view(t, history);
-    struct calx_response r = {.size = sizeof r, .energy = col[CALX_COL_ENERGY],
+    struct calx_response r = {.size = sizeof r,
+                              .energy = col[CALX_COL_ENERGY],
                               .stiffness = {col[CALX_COL_STIFFNESS], col[CALX_COL_STIFFNESS + 1]},
                               .damping = {col[CALX_COL_DAMPING], col[CALX_COL_DAMPING + 1]}};
     memset(col[CALX_COL_ENERGY], 0, sizeof col[0] * (CALX_COL_CONDUCTANCE - CALX_COL_ENERGY));
@@ -165,7 +180,7 @@ static void run(struct calx_trial *t, const struct calx_choice *c)
         calx_trial_respond(t, c);
 }
 
-/* ---- checks ------------------------------------------------------------------------------------------------ */
+/* ---- checks ---- */
 
 /* Copies contact `from` of a to contact `to` of b. */
 static void copy_contact(const struct calx_trial *a, size_t from, struct calx_trial *b, size_t to)
@@ -174,18 +189,21 @@ static void copy_contact(const struct calx_trial *a, size_t from, struct calx_tr
         b->column[k][to] = a->column[k][from];
 }
 
-/* How many numbers of contact i of a and contact k of b differ in their bits, over the columns that were declared. */
+/* How many numbers of contact i of a and contact k of b differ in their bits, over the columns that
+ * were declared. */
 static size_t count_different(const struct calx_choice *c, const struct calx_trial *a, size_t i,
                               const struct calx_trial *b, size_t k)
 {
     size_t count = 0;
     for (size_t col = 0; col < CALX_COL_COUNT; col++)
-        count += calx_trial_declared(c, col) && memcmp(&a->column[col][i], &b->column[col][k], sizeof(double)) != 0;
+        count += calx_trial_declared(c, col) &&
+                 memcmp(&a->column[col][i], &b->column[col][k], sizeof(double)) != 0;
     return count;
 }
 
 /* whole: evaluated; raw: the same before. Pieces of raw must give the same. */
-static size_t count_pieces(const struct calx_choice *c, const struct calx_trial *raw, const struct calx_trial *whole)
+static size_t count_pieces(const struct calx_choice *c, const struct calx_trial *raw,
+                           const struct calx_trial *whole)
 {
     static const size_t sizes[] = {1, 7, 8, 9, 16, 23};
     size_t count = 0, first = 0;
@@ -202,12 +220,14 @@ static size_t count_pieces(const struct calx_choice *c, const struct calx_trial 
     return count;
 }
 
-static size_t count_permuted(const struct calx_choice *c, const struct calx_trial *raw, const struct calx_trial *whole)
+static size_t count_permuted(const struct calx_choice *c, const struct calx_trial *raw,
+                             const struct calx_trial *whole)
 {
     struct calx_trial mixed = {.n = raw->n, .dt = raw->dt};
     size_t count = 0;
     for (size_t i = 0; i < raw->n; i++)
-        copy_contact(raw, 29 * i % raw->n, &mixed, i); /* raw->n is a power of two, so 29 reaches all */
+        copy_contact(raw, 29 * i % raw->n, &mixed,
+                     i); /* raw->n is a power of two, so 29 reaches all */
     run(&mixed, c);
     for (size_t i = 0; i < raw->n; i++)
         count += count_different(c, &mixed, i, whole, 29 * i % raw->n);
@@ -257,10 +277,13 @@ void calx_trial_check_batches(const struct calx_choice *c, struct calx_conforman
     calx_trial_fill(&raw, c, CALX_BATCH, SEED);
     whole = raw;
     run(&whole, c);
-    calx_conform_note(report, "same bits in pieces", (double)count_pieces(c, &raw, &whole), 0, c->where);
-    calx_conform_note(report, "same bits in another order", (double)count_permuted(c, &raw, &whole), 0, c->where);
+    calx_conform_note(report, "same bits in pieces", (double)count_pieces(c, &raw, &whole), 0,
+                      c->where);
+    calx_conform_note(report, "same bits in another order", (double)count_permuted(c, &raw, &whole),
+                      0, c->where);
     calx_conform_note(report, "padding is ignored", (double)count_padding(c, &raw), 0, c->where);
-    calx_conform_note(report, "undeclared columns are unused", (double)count_undeclared(c, &raw), 0, c->where);
+    calx_conform_note(report, "undeclared columns are unused", (double)count_undeclared(c, &raw), 0,
+                      c->where);
 }
 
 void calx_trial_check_finite(struct calx_choice *c, struct calx_conformance *report)
@@ -271,12 +294,14 @@ void calx_trial_check_finite(struct calx_choice *c, struct calx_conformance *rep
     calx_trial_fill(&t, c, CALX_BATCH, SEED + 1);
     for (size_t i = 0; i < sizeof overlaps / sizeof *overlaps; i++)
         t.column[CALX_COL_OVERLAP][4 * i] = t.column[CALX_COL_OVERLAP][4 * i + 3] = overlaps[i];
-    for (int still = 0; still < 2; still++) { /* the first evaluation of a run has no step before it: dt = 0 */
+    for (int still = 0; still < 2;
+         still++) { /* the first evaluation of a run has no step before it: dt = 0 */
         t.dt *= 1 - still;
         run(&t, c);
         for (size_t k = CALX_COL_FN; k < CALX_COL_COUNT; k++)
             for (size_t i = 0; i < t.n; i++)
                 count += calx_trial_declared(c, k) && !isfinite(t.column[k][i]);
     }
-    calx_conform_note(report, "finite at every bound of the parameters", (double)count, 0, c->where);
+    calx_conform_note(report, "finite at every bound of the parameters", (double)count, 0,
+                      c->where);
 }

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Finds plugins as <folder>/<kind>-<name>.so, opens them with dlopen, checks prefix, kind, name and table, and keeps them until the
- * registry is freed. Folders: those of the caller, of $CALX_PLUGINS, and the first that exists of the program's own. Each failure has
- * a message of its own; what makes a descriptor valid is in loader_check.c.
+ * Finds plugins as <folder>/<kind>-<name>.so, opens them with dlopen, checks prefix, kind, name and
+ * table, and keeps them until the registry is freed. Folders: those of the caller, of
+ * $CALX_PLUGINS, and the first that exists of the program's own. Each failure has a message of its
+ * own; what makes a descriptor valid is in loader_check.c.
  */
 #include "core/loader.h"
 
@@ -48,7 +49,7 @@ const char *calx_kind_name(enum calx_kind kind)
     return kind >= CALX_CONTACT && kind <= CALX_TEMPERATURE ? kinds[kind].name : "unknown kind";
 }
 
-/* ---- folders ----------------------------------------------------------------------------------------- */
+/* ---- folders ---- */
 
 static bool is_folder(const char *path)
 {
@@ -102,7 +103,8 @@ static int registry_add_own(struct calx_registry *r)
 struct calx_registry *calx_registry_create(const char *paths)
 {
     struct calx_registry *r = calloc(1, sizeof *r);
-    if (!r || registry_add_list(r, paths) || registry_add_list(r, getenv("CALX_PLUGINS")) || registry_add_own(r)) {
+    if (!r || registry_add_list(r, paths) || registry_add_list(r, getenv("CALX_PLUGINS")) ||
+        registry_add_own(r)) {
         calx_registry_free(r);
         return NULL;
     }
@@ -124,8 +126,6 @@ void calx_registry_free(struct calx_registry *r)
     free(r);
 }
 
-/* ---- files ------------------------------------------------------------------------------------------- */
-
 /* The kind and the name in <kind>-<name>.so; false for other files. */
 static bool file_is_plugin(const char *file, enum calx_kind *kind, char *name, size_t name_size)
 {
@@ -134,7 +134,8 @@ static bool file_is_plugin(const char *file, enum calx_kind *kind, char *name, s
         return false;
     for (int k = CALX_CONTACT; k <= CALX_TEMPERATURE; k++) {
         size_t prefix = strlen(kinds[k].prefix);
-        if (strncmp(file, kinds[k].prefix, prefix) != 0 || file[prefix] != '-' || length < prefix + 5)
+        if (strncmp(file, kinds[k].prefix, prefix) != 0 || file[prefix] != '-' ||
+            length < prefix + 5)
             continue;
         *kind = (enum calx_kind)k;
         snprintf(name, name_size, "%.*s", (int)(length - prefix - 4), file + prefix + 1);
@@ -165,22 +166,25 @@ static bool file_equals(const char *a, const char *b)
     return equal;
 }
 
-/* ---- one plugin ------------------------------------------------------------------------------------ */
-
-static int set_duplicate(struct calx_error *error, enum calx_kind kind, const char *name, const char *a, const char *b)
+static int set_duplicate(struct calx_error *error, enum calx_kind kind, const char *name,
+                         const char *a, const char *b)
 {
-    return calx_error_set(error, CALX_ERROR_INPUT, "two different plugins are called %s \"%s\": %s and %s; remove one of them",
-                          calx_kind_name(kind), name, a, b);
+    return calx_error_set(
+        error, CALX_ERROR_INPUT,
+        "two different plugins are called %s \"%s\": %s and %s; remove one of them",
+        calx_kind_name(kind), name, a, b);
 }
 
-static int plugin_open(const char *path, void **handle, const struct calx_plugin **plugin, struct calx_error *error)
+static int plugin_open(const char *path, void **handle, const struct calx_plugin **plugin,
+                       struct calx_error *error)
 {
     /* a name without a slash would be looked for in the system's folders */
     char local[PATH_MAX];
     snprintf(local, sizeof local, "%s%s", strchr(path, '/') ? "" : "./", path);
     *handle = dlopen(local, RTLD_NOW | RTLD_LOCAL);
     if (!*handle)
-        return calx_error_set(error, CALX_ERROR_INPUT, "cannot load the plugin %s: %s", path, dlerror());
+        return calx_error_set(error, CALX_ERROR_INPUT, "cannot load the plugin %s: %s", path,
+                              dlerror());
     *plugin = dlsym(*handle, CALX_PLUGIN_SYMBOL);
     int code = calx_loader_check(path, *plugin, error);
     if (code)
@@ -188,21 +192,24 @@ static int plugin_open(const char *path, void **handle, const struct calx_plugin
     return code;
 }
 
-static int check_identity(const struct calx_plugin *p, enum calx_kind kind, const char *name, const char *path,
-                          struct calx_error *error)
+static int check_identity(const struct calx_plugin *p, enum calx_kind kind, const char *name,
+                          const char *path, struct calx_error *error)
 {
     if (p->kind != kind)
-        return calx_error_set(error, CALX_ERROR_INPUT, "the plugin %s is of the wrong kind: %s, expected %s", path,
+        return calx_error_set(error, CALX_ERROR_INPUT,
+                              "the plugin %s is of the wrong kind: %s, expected %s", path,
                               calx_kind_name((enum calx_kind)p->kind), calx_kind_name(kind));
     if (strcmp(p->name, name) != 0)
-        return calx_error_set(error, CALX_ERROR_INPUT, "the plugin %s calls itself \"%s\": rename it to %s-%s.so", path, p->name,
-                              kinds[kind].prefix, p->name);
+        return calx_error_set(error, CALX_ERROR_INPUT,
+                              "the plugin %s calls itself \"%s\": rename it to %s-%s.so", path,
+                              p->name, kinds[kind].prefix, p->name);
     return 0;
 }
 
 /* name: what the file must hold, with `kind`, or NULL for anything. */
-static const struct calx_plugin *registry_load(struct calx_registry *r, const char *path, enum calx_kind kind,
-                                               const char *name, struct calx_error *error)
+static const struct calx_plugin *registry_load(struct calx_registry *r, const char *path,
+                                               enum calx_kind kind, const char *name,
+                                               struct calx_error *error)
 {
     void *handle;
     const struct calx_plugin *plugin;
@@ -236,28 +243,18 @@ static const struct calx_plugin *registry_load(struct calx_registry *r, const ch
     return plugin;
 }
 
-const struct calx_plugin *calx_registry_load(struct calx_registry *r, const char *path, struct calx_error *error)
+const struct calx_plugin *calx_registry_load(struct calx_registry *r, const char *path,
+                                             struct calx_error *error)
 {
     return registry_load(r, path, CALX_CONTACT, NULL, error);
 }
 
-/* ---- by name ----------------------------------------------------------------------------------------- */
+/* ---- by name ---- */
 
-/* A growing text that never overflows. */
-struct text {
-    size_t used;
-    char at[1024];
-};
-
-static void text_add(struct text *t, const char *word, const char *separator)
-{
-    int n = snprintf(t->at + t->used, sizeof t->at - t->used, "%s%s", t->used ? separator : "", word);
-    size_t wanted = t->used + (size_t)(n > 0 ? n : 0);
-    t->used = wanted < sizeof t->at ? wanted : sizeof t->at - 1;
-}
-
-/* Calls visit(context, path, kind, name) for each file of a folder that is named as a plugin, in order of name. */
-static void folder_visit(const char *folder, void (*visit)(void *, const char *, enum calx_kind, const char *),
+/* Calls visit(context, path, kind, name) for each file of a folder that is named as a plugin, in
+ * order of name. */
+static void folder_visit(const char *folder,
+                         void (*visit)(void *, const char *, enum calx_kind, const char *),
                          void *context)
 {
     struct dirent **files;
@@ -296,28 +293,45 @@ static void names_visit(void *context, const char *path, enum calx_kind kind, co
         names->at[names->count++] = copy;
 }
 
-static int set_not_found(const struct calx_registry *r, enum calx_kind kind, const char *name, struct calx_error *error)
+static void print_not_found(FILE *out, const struct calx_registry *r, enum calx_kind kind,
+                            const char *name, const struct names *names)
+{
+    const char *nearest = calx_error_nearest(name, (const char *const *)names->at, names->count);
+    fprintf(out, "no plugin \"%s\" of kind %s; ", name, calx_kind_name(kind));
+    if (nearest)
+        fprintf(out, "did you mean \"%s\"? ", nearest);
+    fprintf(out, "there %s", names->count ? "are: " : "is none");
+    for (size_t k = 0; k < names->count; k++)
+        fprintf(out, "%s%s", k ? ", " : "", names->at[k]);
+    fprintf(out, " (looked for %s-%s.so in ", kinds[kind].prefix, name);
+    for (size_t k = 0; k < r->folder_count; k++)
+        fprintf(out, "%s%s", k ? ", " : "", r->folders[k]);
+    fprintf(out, ")");
+}
+
+static int set_not_found(const struct calx_registry *r, enum calx_kind kind, const char *name,
+                         struct calx_error *error)
 {
     struct names names = {.kind = kind};
-    struct text folders = {0}, there = {0};
-    for (size_t k = 0; k < r->folder_count; k++) {
-        text_add(&folders, r->folders[k], ", ");
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (!out)
+        return calx_error_set(error, CALX_ERROR_MEMORY, "no memory for an error message");
+    for (size_t k = 0; k < r->folder_count; k++)
         folder_visit(r->folders[k], names_visit, &names);
-    }
-    for (size_t k = 0; k < names.count; k++)
-        text_add(&there, names.at[k], ", ");
-    const char *nearest = calx_error_nearest(name, (const char *const *)names.at, names.count);
-    calx_error_set(error, CALX_ERROR_INPUT, "no plugin \"%s\" of kind %s%s%s%s; there are: %s (looked for %s-%s.so in %s)", name,
-                   calx_kind_name(kind), nearest ? "; did you mean \"" : "", nearest ? nearest : "", nearest ? "\"?" : "",
-                   names.count ? there.at : "none", kinds[kind].prefix, name, folders.at);
+    print_not_found(out, r, kind, name, &names);
+    fclose(out);
+    calx_error_set(error, CALX_ERROR_INPUT, "%s", text);
+    free(text);
     for (size_t k = 0; k < names.count; k++)
         free(names.at[k]);
     return CALX_ERROR_INPUT;
 }
 
 /* The path of <kind>-<name>.so; it must be the same file wherever it stands. */
-static int registry_locate(const struct calx_registry *r, enum calx_kind kind, const char *name, char path[PATH_MAX],
-                           struct calx_error *error)
+static int registry_locate(const struct calx_registry *r, enum calx_kind kind, const char *name,
+                           char path[PATH_MAX], struct calx_error *error)
 {
     char other[PATH_MAX];
     path[0] = 0;
@@ -332,8 +346,8 @@ static int registry_locate(const struct calx_registry *r, enum calx_kind kind, c
     return path[0] ? 0 : set_not_found(r, kind, name, error);
 }
 
-const struct calx_plugin *calx_registry_find(struct calx_registry *r, enum calx_kind kind, const char *name,
-                                             struct calx_error *error)
+const struct calx_plugin *calx_registry_find(struct calx_registry *r, enum calx_kind kind,
+                                             const char *name, struct calx_error *error)
 {
     for (size_t k = 0; k < r->loaded_count; k++)
         if (r->loaded[k].plugin->kind == kind && strcmp(r->loaded[k].plugin->name, name) == 0)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Checks the descriptor of a plugin before anything in it is used: the frozen prefix alone, then the members, then each row of the
- * parameter table, then what its kind must provide. The rules are tables; the first that is broken is named. Also checks a value
- * against its row.
+ * Checks the descriptor of a plugin before anything in it is used: the frozen prefix alone, then
+ * the members, then each row of the parameter table, then what its kind must provide. The rules are
+ * tables; the first that is broken is named. Also checks a value against its row.
  */
 #include "core/loader_check.h"
 
@@ -13,11 +13,12 @@
 
 #include "core/loader.h"
 
-/* ---- rows of the parameter table --------------------------------------------------------------------- */
+/* ---- rows of the parameter table ---- */
 
 static bool is_name(const char *s)
 {
-    return s && *s >= 'a' && *s <= 'z' && strspn(s, "abcdefghijklmnopqrstuvwxyz0123456789-") == strlen(s) && strlen(s) < 48;
+    return s && *s >= 'a' && *s <= 'z' &&
+           strspn(s, "abcdefghijklmnopqrstuvwxyz0123456789-") == strlen(s) && strlen(s) < 48;
 }
 
 static size_t field_bytes(const struct calx_parameter *row)
@@ -156,16 +157,20 @@ static const struct {
 static int check_rows(const char *path, const struct calx_plugin *p, struct calx_error *error)
 {
     if (p->parameter_count > 0 && !p->parameters)
-        return calx_error_set(error, CALX_ERROR_INPUT, "the plugin %s is not valid: parameters is NULL", path);
+        return calx_error_set(error, CALX_ERROR_INPUT,
+                              "the plugin %s is not valid: parameters is NULL", path);
     for (size_t i = 0; i < p->parameter_count; i++)
         for (size_t k = 0; k < sizeof row_rules / sizeof *row_rules; k++)
             if (row_rules[k].broken(p, i))
-                return calx_error_set(error, CALX_ERROR_INPUT, "the parameter table of the plugin %s is not valid: row %zu (%s): %s",
-                                      path, i + 1, p->parameters[i].name ? p->parameters[i].name : "no name", row_rules[k].rule);
+                return calx_error_set(
+                    error, CALX_ERROR_INPUT,
+                    "the parameter table of the plugin %s is not valid: row %zu (%s): %s", path,
+                    i + 1, p->parameters[i].name ? p->parameters[i].name : "no name",
+                    row_rules[k].rule);
     return 0;
 }
 
-/* ---- what each kind must provide ----------------------------------------------------------------------- */
+/* ---- what each kind must provide ---- */
 
 static const char *names_missing(const char *const *names, size_t count, const char *what)
 {
@@ -179,35 +184,39 @@ static const char *contact_lacks(const void *law)
 {
     const struct calx_contact_law *l = law;
     const uint32_t parts = CALX_NORMAL | CALX_COHESION | CALX_TANGENTIAL | CALX_ROLLING;
-    return !l->provides || (l->provides & ~parts)  ? "provides must name parts of enum calx_part"
-           : (l->depends & ~parts)                 ? "depends must name parts of enum calx_part"
-           : !l->nonsmooth && !l->force            ? "force must not be NULL"
-           : !l->nonsmooth && !l->response         ? "response must not be NULL"
-           : !(l->demand.gap >= 0)                 ? "demand.gap must not be negative"
-           : names_missing(l->history, l->demand.history_vectors + l->demand.history_scalars,
-                           "history must name every vector and scalar");
+    return !l->provides || (l->provides & ~parts) ? "provides must name parts of enum calx_part"
+           : (l->depends & ~parts)                ? "depends must name parts of enum calx_part"
+           : !l->nonsmooth && !l->force           ? "force must not be NULL"
+           : !l->nonsmooth && !l->response        ? "response must not be NULL"
+           : !(l->demand.gap >= 0)
+               ? "demand.gap must not be negative"
+               : names_missing(l->history, l->demand.history_vectors + l->demand.history_scalars,
+                               "history must name every vector and scalar");
 }
 
 static const char *conductance_lacks(const void *law)
 {
     const struct calx_conductance_law *l = law;
-    return !l->conductance                                             ? "conductance must not be NULL"
-           : l->demand.history_vectors || l->demand.history_scalars ? "history is not available to conductances"
-           : !(l->demand.gap >= 0)                                     ? "demand.gap must not be negative"
-                                                                       : NULL;
+    return !l->conductance ? "conductance must not be NULL"
+           : l->demand.history_vectors || l->demand.history_scalars
+               ? "history is not available to conductances"
+           : !(l->demand.gap >= 0) ? "demand.gap must not be negative"
+                                   : NULL;
 }
 
 static const char *motion_lacks(const void *law)
 {
     const struct calx_motion_integrator *l = law;
-    size_t extra = l->extra_translation > l->extra_rotation ? l->extra_translation : l->extra_rotation;
+    size_t extra =
+        l->extra_translation > l->extra_rotation ? l->extra_translation : l->extra_rotation;
     return l->order == 0                           ? "order must not be 0"
            : l->stages == 0 && !l->solves_impulses ? "stages must not be 0"
            : l->stages > 0 && !l->translation      ? "translation must not be NULL"
            : l->stages > 0 && !l->rotation         ? "rotation must not be NULL"
            : !(l->stability > 0)                   ? "stability must be greater than 0"
-           : !(l->velocity_lag >= 0)               ? "velocity_lag must not be negative"
-                                                   : names_missing(l->extra, extra, "extra must name every row of extra state");
+           : !(l->velocity_lag >= 0)
+               ? "velocity_lag must not be negative"
+               : names_missing(l->extra, extra, "extra must name every row of extra state");
 }
 
 static const char *temperature_lacks(const void *law)
@@ -229,35 +238,42 @@ static const char *(*const law_lacks[])(const void *) = {
 static const char *descriptor_lacks(const struct calx_plugin *p)
 {
     return p->kind < CALX_CONTACT || p->kind > CALX_TEMPERATURE ? "its kind is unknown"
-           : !is_name(p->name)                                ? "name must be lower-case letters, digits and hyphens, at most 47"
-           : !p->summary || !*p->summary                        ? "summary must not be empty"
-           : !p->reference || !*p->reference                    ? "reference must not be empty"
-           : !p->equation || !*p->equation                      ? "equation must not be empty"
-           : !p->law                                            ? "law must not be NULL"
-                                                                : law_lacks[p->kind](p->law);
+           : !is_name(p->name) ? "name must be lower-case letters, digits and hyphens, at most 47"
+           : !p->summary || !*p->summary     ? "summary must not be empty"
+           : !p->reference || !*p->reference ? "reference must not be empty"
+           : !p->equation || !*p->equation   ? "equation must not be empty"
+           : !p->law                         ? "law must not be NULL"
+                                             : law_lacks[p->kind](p->law);
 }
 
 int calx_loader_check(const char *path, const struct calx_plugin *p, struct calx_error *error)
 {
     if (!p)
-        return calx_error_set(error, CALX_ERROR_INPUT, "%s is not a calx plugin: it has no symbol %s", path, CALX_PLUGIN_SYMBOL);
+        return calx_error_set(error, CALX_ERROR_INPUT,
+                              "%s is not a calx plugin: it has no symbol %s", path,
+                              CALX_PLUGIN_SYMBOL);
     if (p->magic != CALX_PLUGIN_MAGIC)
-        return calx_error_set(error, CALX_ERROR_INPUT, "%s is not a calx plugin: its %s begins with 0x%08x, not 0x%08x", path,
-                              CALX_PLUGIN_SYMBOL, p->magic, CALX_PLUGIN_MAGIC);
+        return calx_error_set(error, CALX_ERROR_INPUT,
+                              "%s is not a calx plugin: its %s begins with 0x%08x, not 0x%08x",
+                              path, CALX_PLUGIN_SYMBOL, p->magic, CALX_PLUGIN_MAGIC);
     if (p->abi != CALX_PLUGIN_ABI)
-        return calx_error_set(error, CALX_ERROR_INPUT, "the plugin %s was built for ABI %u, this calx has ABI %u: build it anew", path,
-                              p->abi, CALX_PLUGIN_ABI);
+        return calx_error_set(
+            error, CALX_ERROR_INPUT,
+            "the plugin %s was built for ABI %u, this calx has ABI %u: build it anew", path, p->abi,
+            CALX_PLUGIN_ABI);
     if (p->size != sizeof *p)
         return calx_error_set(error, CALX_ERROR_INPUT,
-                              "the plugin %s was built for ABI %u with a descriptor of %llu bytes, this calx has %zu: build it anew",
+                              "the plugin %s was built for ABI %u with a descriptor of %llu bytes, "
+                              "this calx has %zu: build it anew",
                               path, p->abi, (unsigned long long)p->size, sizeof *p);
     const char *lack = descriptor_lacks(p);
     if (lack)
-        return calx_error_set(error, CALX_ERROR_INPUT, "the plugin %s is not valid: %s", path, lack);
+        return calx_error_set(error, CALX_ERROR_INPUT, "the plugin %s is not valid: %s", path,
+                              lack);
     return check_rows(path, p, error);
 }
 
-/* ---- parameters ------------------------------------------------------------------------------------- */
+/* ---- parameters ---- */
 
 const struct calx_parameter *calx_plugin_parameter(const struct calx_plugin *p, const char *name)
 {
@@ -275,7 +291,8 @@ int calx_parameter_check(const struct calx_parameter *row, double v, struct calx
                               row->flags & CALX_SWITCH ? "no, yes" : row->choices, v);
     if (isfinite(v) && in_range(row, v))
         return 0;
-    return calx_error_set(error, CALX_ERROR_INPUT, "%s must be %s %g%s%s and %s %g%s%s, not %g", row->name,
-                          row->flags & CALX_OPEN_MIN ? "greater than" : "at least", row->min, space, unit,
-                          row->flags & CALX_OPEN_MAX ? "less than" : "at most", row->max, space, unit, v);
+    return calx_error_set(
+        error, CALX_ERROR_INPUT, "%s must be %s %g%s%s and %s %g%s%s, not %g", row->name,
+        row->flags & CALX_OPEN_MIN ? "greater than" : "at least", row->min, space, unit,
+        row->flags & CALX_OPEN_MAX ? "less than" : "at most", row->max, space, unit, v);
 }

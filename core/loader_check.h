@@ -8,8 +8,9 @@
 #include "core/error.h"
 #include "core/plugin.h"
 
-/* Whether the descriptor at the symbol of the file `path` (NULL if there is none) may be used: 0, or
- * CALX_ERROR_INPUT with a text: not a calx plugin, another ABI, or which rule which row or member breaks. */
+/* Whether the descriptor at the symbol of the file `path` (NULL if there is none) may be used: 0,
+ * or CALX_ERROR_INPUT with a text: not a calx plugin, another ABI, or which rule which row or
+ * member breaks. */
 int calx_loader_check(const char *path, const struct calx_plugin *, struct calx_error *);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Prints plugins: the list, the reference of one, the conformance of a file. Everything comes from the plugins' own
- * descriptors and tables, so that it cannot differ from what calx accepts.
+ * Prints plugins: the list, the reference of one, the conformance of a file. Everything comes from
+ * the plugins' own descriptors and tables, so that it cannot differ from what calx accepts.
  */
 #include "io/catalogue.h"
 
@@ -15,7 +15,7 @@ static const char *plural(size_t n)
     return n == 1 ? "" : "s";
 }
 
-/* ---- list ---------------------------------------------------------------------------------------------- */
+/* ---- list ---- */
 
 static void list_kind(FILE *out, const struct calx_registry *r, enum calx_kind kind)
 {
@@ -35,14 +35,15 @@ int calx_catalogue_list(FILE *out, struct calx_registry *r, struct calx_error *e
 {
     if (calx_registry_load_all(r, stderr) == 0)
         return calx_error_set(error, CALX_ERROR_INPUT,
-                              "no plugin found: set CALX_PLUGINS to the folder that holds files like contact-linear.so");
+                              "no plugin found: set CALX_PLUGINS to the folder that holds files "
+                              "like contact-linear.so");
     for (int kind = CALX_CONTACT; kind <= CALX_TEMPERATURE; kind++)
         list_kind(out, r, (enum calx_kind)kind);
     fprintf(out, "\n`calx plugins NAME` prints the equation and the parameters of one.\n");
     return 0;
 }
 
-/* ---- one ------------------------------------------------------------------------------------------------- */
+/* ---- one ---- */
 
 /* A text of several lines, each under the one before. */
 static void print_block(FILE *out, const char *title, const char *text)
@@ -83,7 +84,8 @@ static void print_range(FILE *out, const struct calx_parameter *row)
 
 static void print_parameter(FILE *out, const struct calx_parameter *row)
 {
-    static const char *const scopes[] = {[CALX_RUN] = "one value for the run", [CALX_MATERIAL] = "of <material>",
+    static const char *const scopes[] = {[CALX_RUN] = "one value for the run",
+                                         [CALX_MATERIAL] = "of <material>",
                                          [CALX_PAIR] = "a <pair> may override it"};
     char value[64];
     format_value(row, row->initial, value, sizeof value);
@@ -108,7 +110,7 @@ static void print_needs(FILE *out, const struct calx_demand *demand)
         const char *text;
     } needs[] = {
         {CALX_NEEDS_TANGENT, "tangential velocity"}, {CALX_NEEDS_ROTATION, "rotation"},
-        {CALX_NEEDS_TEMPERATURE, "temperatures"},     {CALX_NEEDS_NORMAL_FORCE, "normal force"},
+        {CALX_NEEDS_TEMPERATURE, "temperatures"},    {CALX_NEEDS_NORMAL_FORCE, "normal force"},
         {CALX_NEEDS_SPIN, "relative spin"},
     };
     const char *separator = "  needs      ";
@@ -139,8 +141,9 @@ static void print_conductance(FILE *out, const void *law)
 static void print_motion(FILE *out, const void *law)
 {
     const struct calx_motion_integrator *l = law;
-    fprintf(out, "  accuracy   order %u, %u force evaluation%s per step, stable for omega dt < %g%s\n", l->order, l->stages,
-            plural(l->stages), l->stability, l->reversible ? ", reversible" : "");
+    fprintf(
+        out, "  accuracy   order %u, %u force evaluation%s per step, stable for omega dt < %g%s\n",
+        l->order, l->stages, plural(l->stages), l->stability, l->reversible ? ", reversible" : "");
 }
 
 static void print_temperature(FILE *out, const void *law)
@@ -173,7 +176,8 @@ static void print_plugin(FILE *out, const struct calx_registry *r, const struct 
         fprintf(out, "\n  no parameters\n");
 }
 
-int calx_catalogue_show(FILE *out, struct calx_registry *r, const char *name, struct calx_error *error)
+int calx_catalogue_show(FILE *out, struct calx_registry *r, const char *name,
+                        struct calx_error *error)
 {
     const char *names[256];
     size_t count = 0, shown = 0;
@@ -191,13 +195,15 @@ int calx_catalogue_show(FILE *out, struct calx_registry *r, const char *name, st
     if (shown > 0)
         return 0;
     const char *nearest = calx_error_nearest(name, names, count);
-    return calx_error_set(error, CALX_ERROR_INPUT, "no plugin \"%s\"%s%s%s; `calx plugins` lists all", name,
-                          nearest ? "; did you mean \"" : "", nearest ? nearest : "", nearest ? "\"?" : "");
+    return calx_error_set(
+        error, CALX_ERROR_INPUT, "no plugin \"%s\"%s%s%s; `calx plugins` lists all", name,
+        nearest ? "; did you mean \"" : "", nearest ? nearest : "", nearest ? "\"?" : "");
 }
 
-/* ---- conformance ----------------------------------------------------------------------------------------- */
+/* ---- conformance ---- */
 
-int calx_catalogue_check(FILE *out, struct calx_registry *r, const char *path, struct calx_error *error)
+int calx_catalogue_check(FILE *out, struct calx_registry *r, const char *path,
+                         struct calx_error *error)
 {
     const struct calx_plugin *p = calx_registry_load(r, path, error);
     struct calx_conformance report;
@@ -207,12 +213,14 @@ int calx_catalogue_check(FILE *out, struct calx_registry *r, const char *path, s
     fprintf(out, "%s \"%s\" (%s)\n", calx_kind_name((enum calx_kind)p->kind), p->name, path);
     for (size_t k = 0; k < report.count; k++) {
         const struct calx_check *c = &report.checks[k];
-        fprintf(out, "  %-6s  %-48s %10.3g  bound %-8.3g%s%s\n", c->passed ? "ok" : "FAILED", c->name, c->figure, c->bound,
-                c->passed || !c->where[0] ? "" : "  at ", c->passed ? "" : c->where);
+        fprintf(out, "  %-6s  %-48s %10.3g  bound %-8.3g%s%s\n", c->passed ? "ok" : "FAILED",
+                c->name, c->figure, c->bound, c->passed || !c->where[0] ? "" : "  at ",
+                c->passed ? "" : c->where);
     }
     if (report.failed == 0) {
         fprintf(out, "%zu check%s passed\n", report.count, plural(report.count));
         return 0;
     }
-    return calx_error_set(error, CALX_ERROR_PHYSICS, "%s: %zu of %zu checks failed", path, report.failed, report.count);
+    return calx_error_set(error, CALX_ERROR_PHYSICS, "%s: %zu of %zu checks failed", path,
+                          report.failed, report.count);
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * Conductance "constant": the same H for every contact of two materials, while they touch.
- * For tests against closed forms (a chain of equal conductances) and for contacts whose H was measured.
- * Reference: definition; Carslaw and Jaeger, Conduction of Heat in Solids (1959).
+ * For tests against closed forms (a chain of equal conductances) and for contacts whose H was
+ * measured. Reference: definition; Carslaw and Jaeger, Conduction of Heat in Solids (1959).
  */
 #include "core/plugin.h"
 
@@ -11,11 +11,19 @@ struct constant {
 };
 
 static const struct calx_parameter parameters[] = {
-    {.name = "conductance", .symbol = "H", .unit = "W/K", .doc = "Conductance of a contact.", .min = 0, .max = 1e12,
-     .flags = CALX_REQUIRED, .scope = CALX_PAIR, .offset = offsetof(struct constant, conductance)},
+    {.name = "conductance",
+     .symbol = "H",
+     .unit = "W/K",
+     .doc = "Conductance of a contact.",
+     .min = 0,
+     .max = 1e12,
+     .flags = CALX_REQUIRED,
+     .scope = CALX_PAIR,
+     .offset = offsetof(struct constant, conductance)},
 };
 
-CALX_KERNEL static void conduct(size_t n, double value, const double *restrict overlap, double *restrict conductance)
+CALX_KERNEL static void conduct(size_t n, double value, const double *restrict overlap,
+                                double *restrict conductance)
 {
     for (size_t c = 0; c < n; c++)
         conductance[c] = overlap[c] > 0 ? value : 0;

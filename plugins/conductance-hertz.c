@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * Conductance "hertz": heat flows through the area that the normal force presses flat.
- * Spheres: H = 2 k a, a = (3 fn R* / (4 E*))^(1/3); Batchelor and O'Brien, Proc. R. Soc. Lond. A 355 (1977) 313.
- * Discs of length L: H = 2 k sqrt(2 b L), b^2 = 4 fn R* / (pi L E*); Yovanovich as used by Renouf et al.
- * The stiffness of the contact law may be chosen at will: only its force matters here.
+ * Spheres: H = 2 k a, a = (3 fn R* / (4 E*))^(1/3); Batchelor and O'Brien, Proc. R. Soc. Lond. A
+ * 355 (1977) 313. Discs of length L: H = 2 k sqrt(2 b L), b^2 = 4 fn R* / (pi L E*); Yovanovich as
+ * used by Renouf et al. The stiffness of the contact law may be chosen at will: only its force
+ * matters here.
  */
 #include <math.h>
 
@@ -17,15 +18,37 @@ struct hertz {
 };
 
 static const struct calx_parameter parameters[] = {
-    {.name = "conductivity", .symbol = "k", .unit = "W/(m K)", .doc = "Thermal conductivity of the material.", .min = 0, .max = 1e6,
-     .flags = CALX_REQUIRED, .scope = CALX_MATERIAL, .offset = offsetof(struct hertz, conductivity)},
-    {.name = "young", .symbol = "E", .unit = "Pa", .doc = "Young's modulus of the material.", .min = 1, .max = 1e20,
-     .flags = CALX_REQUIRED, .scope = CALX_MATERIAL, .offset = offsetof(struct hertz, young)},
-    {.name = "poisson", .symbol = "nu", .unit = "1", .doc = "Poisson's ratio of the material.", .min = -0.99, .max = 0.5,
-     .flags = CALX_REQUIRED, .scope = CALX_MATERIAL, .offset = offsetof(struct hertz, poisson)},
+    {.name = "conductivity",
+     .symbol = "k",
+     .unit = "W/(m K)",
+     .doc = "Thermal conductivity of the material.",
+     .min = 0,
+     .max = 1e6,
+     .flags = CALX_REQUIRED,
+     .scope = CALX_MATERIAL,
+     .offset = offsetof(struct hertz, conductivity)},
+    {.name = "young",
+     .symbol = "E",
+     .unit = "Pa",
+     .doc = "Young's modulus of the material.",
+     .min = 1,
+     .max = 1e20,
+     .flags = CALX_REQUIRED,
+     .scope = CALX_MATERIAL,
+     .offset = offsetof(struct hertz, young)},
+    {.name = "poisson",
+     .symbol = "nu",
+     .unit = "1",
+     .doc = "Poisson's ratio of the material.",
+     .min = -0.99,
+     .max = 0.5,
+     .flags = CALX_REQUIRED,
+     .scope = CALX_MATERIAL,
+     .offset = offsetof(struct hertz, poisson)},
 };
 
-static int prepare(const struct calx_setup *setup, void *params, struct calx_demand *demand, char *why, size_t why_size)
+static int prepare(const struct calx_setup *setup, void *params, struct calx_demand *demand,
+                   char *why, size_t why_size)
 {
     struct hertz *p = params;
     double modulus = calx_effective_modulus(p->young, p->poisson), length = setup->thickness;
@@ -58,7 +81,8 @@ CALX_EXPORT const struct calx_plugin calx_plugin = {
     .kind = CALX_CONDUCTANCE,
     .name = "hertz",
     .summary = "conduction through the area that the normal force presses flat",
-    .reference = "Batchelor and O'Brien, Proc. R. Soc. Lond. A 355 (1977) 313; discs: Yovanovich as used by Renouf et al.",
+    .reference = "Batchelor and O'Brien, Proc. R. Soc. Lond. A 355 (1977) 313; discs: Yovanovich "
+                 "as used by Renouf et al.",
     .equation = "spheres: H = 2 k a, a = (3 fn R*/(4 E*))^(1/3);\n"
                 "discs: H = 2 k sqrt(2 b L), b^2 = 4 fn R*/(pi L E*);  k = 2 k1 k2/(k1 + k2)",
     .parameter_count = sizeof parameters / sizeof *parameters,

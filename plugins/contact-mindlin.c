@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * Contact law "mindlin": tangential force of elastic spheres without partial slip, with friction.
- * The spring force s is history and grows by increments, ds = -kt w dt with kt = 8 G* sqrt(R* d); it is not
- * rescaled when the overlap changes. The force is s - ct w, at most mu times the normal force. While it sticks, w is the
- * tangential velocity vt; when it slips, w is what brings spring and damper together to the limit, and vt - w is the slip.
- * Reference: Mindlin, J. Appl. Mech. 16 (1949) 259; damping: Tsuji, Tanaka and Ishida, Powder Technology 71 (1992) 239. The spring
- * stores |s|^2/(2 kt) with the kt of the moment, and what the work of the force does not explain of it is booked as dissipated.
+ * The spring force s is history and grows by increments, ds = -kt w dt with kt = 8 G* sqrt(R* d);
+ * it is not rescaled when the overlap changes. The force is s - ct w, at most mu times the normal
+ * force. While it sticks, w is the tangential velocity vt; when it slips, w is what brings spring
+ * and damper together to the limit, and vt - w is the slip. Reference: Mindlin, J. Appl. Mech. 16
+ * (1949) 259; damping: Tsuji, Tanaka and Ishida, Powder Technology 71 (1992) 239. The spring stores
+ * |s|^2/(2 kt) with the kt of the moment, and what the work of the force does not explain of it is
+ * booked as dissipated.
  */
 #include <math.h>
 #include <stdio.h>
@@ -20,29 +22,59 @@ struct mindlin {
 };
 
 static const struct calx_parameter parameters[] = {
-    {.name = "young", .symbol = "E", .unit = "Pa", .doc = "Young's modulus of the material.", .min = 1, .max = 1e20,
-     .flags = CALX_REQUIRED, .scope = CALX_MATERIAL, .offset = offsetof(struct mindlin, young)},
-    {.name = "poisson", .symbol = "nu", .unit = "1", .doc = "Poisson's ratio of the material.", .min = -0.99, .max = 0.5,
-     .flags = CALX_REQUIRED, .scope = CALX_MATERIAL, .offset = offsetof(struct mindlin, poisson)},
-    {.name = "friction", .symbol = "mu", .unit = "1", .doc = "Friction coefficient.", .min = 0, .max = 1e3,
-     .flags = CALX_REQUIRED, .scope = CALX_PAIR, .offset = offsetof(struct mindlin, friction)},
-    {.name = "restitution", .symbol = "e", .unit = "1",
-     .doc = "Restitution coefficient that sets the tangential damping; none if it is not given.", .min = 0, .max = 1,
-     .flags = CALX_OPTIONAL, .scope = CALX_PAIR, .offset = offsetof(struct mindlin, restitution)},
+    {.name = "young",
+     .symbol = "E",
+     .unit = "Pa",
+     .doc = "Young's modulus of the material.",
+     .min = 1,
+     .max = 1e20,
+     .flags = CALX_REQUIRED,
+     .scope = CALX_MATERIAL,
+     .offset = offsetof(struct mindlin, young)},
+    {.name = "poisson",
+     .symbol = "nu",
+     .unit = "1",
+     .doc = "Poisson's ratio of the material.",
+     .min = -0.99,
+     .max = 0.5,
+     .flags = CALX_REQUIRED,
+     .scope = CALX_MATERIAL,
+     .offset = offsetof(struct mindlin, poisson)},
+    {.name = "friction",
+     .symbol = "mu",
+     .unit = "1",
+     .doc = "Friction coefficient.",
+     .min = 0,
+     .max = 1e3,
+     .flags = CALX_REQUIRED,
+     .scope = CALX_PAIR,
+     .offset = offsetof(struct mindlin, friction)},
+    {.name = "restitution",
+     .symbol = "e",
+     .unit = "1",
+     .doc = "Restitution coefficient that sets the tangential damping; none if it is not given.",
+     .min = 0,
+     .max = 1,
+     .flags = CALX_OPTIONAL,
+     .scope = CALX_PAIR,
+     .offset = offsetof(struct mindlin, restitution)},
 };
 
-static int prepare(const struct calx_setup *setup, void *params, struct calx_demand *demand, char *why, size_t why_size)
+static int prepare(const struct calx_setup *setup, void *params, struct calx_demand *demand,
+                   char *why, size_t why_size)
 {
     struct mindlin *p = params;
     if (setup->bodies == CALX_DISCS) {
-        snprintf(why, why_size, "discs touch along a line, where this law does not hold: use coulomb");
+        snprintf(why, why_size,
+                 "discs touch along a line, where this law does not hold: use coulomb");
         return 1;
     }
     double compliance = 0; /* 1/G* = sum (2 - nu)/G, G = E/(2 (1 + nu)) */
     for (int i = 0; i < 2; i++)
         compliance += (2 - p->poisson[i]) * 2 * (1 + p->poisson[i]) / p->young[i];
     p->modulus = 8 / compliance;
-    p->root = isnan(p->restitution) ? 0 : 2 * sqrt(5.0 / 6.0) * calx_damping_ratio(p->restitution, 0);
+    p->root =
+        isnan(p->restitution) ? 0 : 2 * sqrt(5.0 / 6.0) * calx_damping_ratio(p->restitution, 0);
     demand->history_vectors = p->root > 0 ? 2 : 1; /* undamped, the force is the spring */
     return 0;
 }
@@ -59,12 +91,14 @@ static inline double damping(const struct mindlin *p, double kt, double inverse_
 
 /* s: spring, h: force, e: energy stored, all of the evaluation before. */
 CALX_KERNEL static void rub(size_t n, struct mindlin p, double dt, const double *restrict overlap,
-                            const double *restrict vx, const double *restrict vy, const double *restrict vz,
-                            const double *restrict inverse_mass, const double *restrict k1,
-                            const double *restrict k2, const double *restrict normal_force, double *restrict fx,
-                            double *restrict fy, double *restrict fz, double *restrict work, double *restrict sx,
-                            double *restrict sy, double *restrict sz, double *restrict hx, double *restrict hy,
-                            double *restrict hz, double *restrict e)
+                            const double *restrict vx, const double *restrict vy,
+                            const double *restrict vz, const double *restrict inverse_mass,
+                            const double *restrict k1, const double *restrict k2,
+                            const double *restrict normal_force, double *restrict fx,
+                            double *restrict fy, double *restrict fz, double *restrict work,
+                            double *restrict sx, double *restrict sy, double *restrict sz,
+                            double *restrict hx, double *restrict hy, double *restrict hz,
+                            double *restrict e)
 {
     for (size_t c = 0; c < n; c++) {
         double kt = stiffness(&p, overlap[c], k1[c], k2[c]), ct = damping(&p, kt, inverse_mass[c]);
@@ -76,7 +110,8 @@ CALX_KERNEL static void rub(size_t n, struct mindlin p, double dt, const double 
         fx[c] += x, fy[c] += y, fz[c] += z;
         double done = ((hx[c] + x) * vx[c] + (hy[c] + y) * vy[c] + (hz[c] + z) * vz[c]) * dt;
         sx[c] -= part * (sx[c] - x), sy[c] -= part * (sy[c] - y), sz[c] -= part * (sz[c] - z);
-        double s2 = sx[c] * sx[c] + sy[c] * sy[c] + sz[c] * sz[c], stored = kt > 0 ? 0.5 * s2 / kt : 0;
+        double s2 = sx[c] * sx[c] + sy[c] * sy[c] + sz[c] * sz[c],
+               stored = kt > 0 ? 0.5 * s2 / kt : 0;
         work[c] -= 0.5 * done + (stored - e[c]);
         hx[c] = x, hy[c] = y, hz[c] = z;
         e[c] = stored;
@@ -91,12 +126,15 @@ static void force(const void *params, const struct calx_contacts *b)
     size_t n = calx_padded(b->n);
     for (int k = 0; k < 3 && p->root == 0; k++)
         memcpy(copy[k], s[k], n * sizeof(double));
-    double *h[] = {p->root > 0 ? s[3] : copy[0], p->root > 0 ? s[4] : copy[1], p->root > 0 ? s[5] : copy[2]};
-    rub(n, *p, b->dt, b->overlap, b->vt[0], b->vt[1], b->vt[2], b->inverse_mass, b->curvature[0], b->curvature[1],
-        b->coulomb, b->ft[0], b->ft[1], b->ft[2], b->work, s[0], s[1], s[2], h[0], h[1], h[2], s[p->root > 0 ? 6 : 3]);
+    double *h[] = {p->root > 0 ? s[3] : copy[0], p->root > 0 ? s[4] : copy[1],
+                   p->root > 0 ? s[5] : copy[2]};
+    rub(n, *p, b->dt, b->overlap, b->vt[0], b->vt[1], b->vt[2], b->inverse_mass, b->curvature[0],
+        b->curvature[1], b->coulomb, b->ft[0], b->ft[1], b->ft[2], b->work, s[0], s[1], s[2], h[0],
+        h[1], h[2], s[p->root > 0 ? 6 : 3]);
 }
 
-static void response(const void *params, const struct calx_contacts *b, const struct calx_response *r)
+static void response(const void *params, const struct calx_contacts *b,
+                     const struct calx_response *r)
 {
     const struct mindlin *p = params;
     const double *stored = b->history[p->root > 0 ? 6 : 3];
@@ -132,9 +170,12 @@ CALX_EXPORT const struct calx_plugin calx_plugin = {
     .kind = CALX_CONTACT,
     .name = "mindlin",
     .summary = "tangential force of elastic spheres, with friction",
-    .reference = "Mindlin, J. Appl. Mech. 16 (1949) 259; Tsuji, Tanaka and Ishida, Powder Technology 71 (1992) 239",
-    .equation = "ds = -kt w dt, kt = 8 G* sqrt(R* d);  ft = s - ct w, |ft| <= mu |fn|;  w = vt while it sticks;\n"
-                "1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, G = E/(2 (1 + nu));  ct = 2 sqrt(5/6) b sqrt(kt m*)",
+    .reference = "Mindlin, J. Appl. Mech. 16 (1949) 259; Tsuji, Tanaka and Ishida, Powder "
+                 "Technology 71 (1992) 239",
+    .equation =
+        "ds = -kt w dt, kt = 8 G* sqrt(R* d);  ft = s - ct w, |ft| <= mu |fn|;  w = vt while it "
+        "sticks;\n"
+        "1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, G = E/(2 (1 + nu));  ct = 2 sqrt(5/6) b sqrt(kt m*)",
     .parameter_count = sizeof parameters / sizeof *parameters,
     .parameters = parameters,
     .params_size = sizeof(struct mindlin),

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Integrator "velocity-verlet": half a kick, a drift, the forces, half a kick; for spins the kicks alone.
- * Reference: Swope, Andersen, Berens and Wilson, J. Chem. Phys. 76 (1982) 637.
- * Second order, symplectic and reversible, one force evaluation per step, stable for omega dt < 2. Laws see the velocity of the middle
- * of the step together with the positions of its end.
+ * Integrator "velocity-verlet": half a kick, a drift, the forces, half a kick; for spins the kicks
+ * alone. Reference: Swope, Andersen, Berens and Wilson, J. Chem. Phys. 76 (1982) 637. Second order,
+ * symplectic and reversible, one force evaluation per step, stable for omega dt < 2. Laws see the
+ * velocity of the middle of the step together with the positions of its end.
  */
 #include "core/plugin.h"
 
@@ -15,8 +15,9 @@ CALX_KERNEL static void kick(size_t n, size_t stride, const double *restrict dt,
             v[i * stride + k] += 0.5 * dt[k] * a[i * stride + k];
 }
 
-CALX_KERNEL static void kick_and_drift(size_t n, size_t stride, const double *restrict dt, double *restrict x,
-                                       double *restrict v, const double *restrict a)
+CALX_KERNEL static void kick_and_drift(size_t n, size_t stride, const double *restrict dt,
+                                       double *restrict x, double *restrict v,
+                                       const double *restrict a)
 {
     for (size_t i = 0; i < n; i++)
         for (size_t k = 0; k < 4; k++) {

@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Integrator "verlet": Stoermer's rule on positions alone, x(n+1) = 2 x(n) - x(n-1) + a dt^2, for spins on angles.
- * Reference: Verlet, Phys. Rev. 159 (1967) 98; as in the Tiaret thesis, started with x1 = x0 + v0 dt + a0 dt^2/2.
- * Kept per body is the displacement u = x(n) - x(n-1), not x(n-1), so that a body may be moved by a period of the domain. The velocity
- * is the difference u/dt that laws see, and at the end of the step (x(n+1) - x(n-1))/(2 dt) = u/dt + a dt/2.
- * Second order, reversible, one force evaluation per step, stable for omega dt < 2.
+ * Integrator "verlet": Stoermer's rule on positions alone, x(n+1) = 2 x(n) - x(n-1) + a dt^2, for
+ * spins on angles. Reference: Verlet, Phys. Rev. 159 (1967) 98; as in the Tiaret thesis, started
+ * with x1 = x0 + v0 dt + a0 dt^2/2. Kept per body is the displacement u = x(n) - x(n-1), not
+ * x(n-1), so that a body may be moved by a period of the domain. The velocity is the difference
+ * u/dt that laws see, and at the end of the step (x(n+1) - x(n-1))/(2 dt) = u/dt + a dt/2. Second
+ * order, reversible, one force evaluation per step, stable for omega dt < 2.
  */
 #include <stddef.h>
 
 #include "core/plugin.h"
 
-/* One body. The fourth number of u is the step it was made with: when it differs (at the start, or after
- * a change of step) the displacement is begun anew from the velocity. v becomes u/dt. */
-static inline void advance(const double *restrict dt, double step, double *restrict v, const double *restrict a,
-                           double *restrict u)
+/* One body. The fourth number of u is the step it was made with: when it differs (at the start, or
+ * after a change of step) the displacement is begun anew from the velocity. v becomes u/dt. */
+static inline void advance(const double *restrict dt, double step, double *restrict v,
+                           const double *restrict a, double *restrict u)
 {
     int start = u[3] != step;
     for (int k = 0; k < 3; k++) {
@@ -35,7 +36,8 @@ static void turn(const void *params, const struct calx_rows *r)
 {
     (void)params;
     for (size_t i = 0; i < r->n; i++)
-        advance(r->dt, longest(r->dt), r->v + i * r->stride, r->a + i * r->stride, r->extra[0] + 4 * i);
+        advance(r->dt, longest(r->dt), r->v + i * r->stride, r->a + i * r->stride,
+                r->extra[0] + 4 * i);
 }
 
 static void move(const void *params, const struct calx_rows *r)
@@ -77,6 +79,7 @@ CALX_EXPORT const struct calx_plugin calx_plugin = {
     .name = "verlet",
     .summary = "Stoermer's rule: positions from the two before",
     .reference = "Verlet, Phys. Rev. 159 (1967) 98",
-    .equation = "x(n+1) = 2 x(n) - x(n-1) + a dt^2;  x1 = x0 + v0 dt + a0 dt^2/2;  v(n) = (x(n+1) - x(n-1))/(2 dt)",
+    .equation = "x(n+1) = 2 x(n) - x(n-1) + a dt^2;  x1 = x0 + v0 dt + a0 dt^2/2;  v(n) = (x(n+1) "
+                "- x(n-1))/(2 dt)",
     .law = &law,
 };

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Integrator of temperature "heat-theta": C dT/dt = theta q(T + dT) + (1 - theta) q(T), q the net heat flow into each body.
- * The step solves (C/dt + theta L) dT = q(T), L the matrix of conductances, without storing it: conjugate gradients with the
- * diagonal as preconditioner (Hestenes and Stiefel, J. Res. NBS 49 (1952) 409), sums in a fixed order, so that runs repeat bit by bit.
- * Second order for theta = 1/2, first otherwise. New extremes of temperature cannot appear while dt (1 - theta) sum H <= C in each body
- * (the explicit part then has no negative weights, and the implicit matrix is an M-matrix): with monotone, theta is raised
- * to that bound when the step is longer. A shift by the solver's residual keeps the sum of heat to round-off.
+ * Integrator of temperature "heat-theta": C dT/dt = theta q(T + dT) + (1 - theta) q(T), q the net
+ * heat flow into each body. The step solves (C/dt + theta L) dT = q(T), L the matrix of
+ * conductances, without storing it: conjugate gradients with the diagonal as preconditioner
+ * (Hestenes and Stiefel, J. Res. NBS 49 (1952) 409), sums in a fixed order, so that runs repeat bit
+ * by bit. Second order for theta = 1/2, first otherwise. New extremes of temperature cannot appear
+ * while dt (1 - theta) sum H <= C in each body (the explicit part then has no negative weights, and
+ * the implicit matrix is an M-matrix): with monotone, theta is raised to that bound when the step
+ * is longer. A shift by the solver's residual keeps the sum of heat to round-off.
  */
 #include <math.h>
 #include <stdio.h>
@@ -18,13 +20,34 @@ struct theta {
 };
 
 static const struct calx_parameter parameters[] = {
-    {.name = "theta", .symbol = "theta", .unit = "1", .doc = "0: explicit, 0.5: second order, 1: implicit.",
-     .initial = 0.5, .min = 0, .max = 1, .scope = CALX_RUN, .offset = offsetof(struct theta, theta)},
-    {.name = "tolerance", .symbol = "tol", .unit = "1", .doc = "Residual of the solver relative to the heat flows.",
-     .initial = 1e-12, .min = 1e-15, .max = 1e-2, .scope = CALX_RUN, .offset = offsetof(struct theta, tolerance)},
-    {.name = "monotone", .symbol = "monotone", .unit = "1",
-     .doc = "Raise theta in steps so long that temperatures would overshoot.", .initial = 1, .min = 0, .max = 1,
-     .flags = CALX_SWITCH, .scope = CALX_RUN, .offset = offsetof(struct theta, monotone)},
+    {.name = "theta",
+     .symbol = "theta",
+     .unit = "1",
+     .doc = "0: explicit, 0.5: second order, 1: implicit.",
+     .initial = 0.5,
+     .min = 0,
+     .max = 1,
+     .scope = CALX_RUN,
+     .offset = offsetof(struct theta, theta)},
+    {.name = "tolerance",
+     .symbol = "tol",
+     .unit = "1",
+     .doc = "Residual of the solver relative to the heat flows.",
+     .initial = 1e-12,
+     .min = 1e-15,
+     .max = 1e-2,
+     .scope = CALX_RUN,
+     .offset = offsetof(struct theta, tolerance)},
+    {.name = "monotone",
+     .symbol = "monotone",
+     .unit = "1",
+     .doc = "Raise theta in steps so long that temperatures would overshoot.",
+     .initial = 1,
+     .min = 0,
+     .max = 1,
+     .flags = CALX_SWITCH,
+     .scope = CALX_RUN,
+     .offset = offsetof(struct theta, monotone)},
 };
 
 static int prepare(const struct calx_setup *setup, void *params, char *why, size_t why_size)
@@ -32,13 +55,16 @@ static int prepare(const struct calx_setup *setup, void *params, char *why, size
     const struct theta *p = params;
     (void)setup;
     if (p->theta < 0.5 && p->monotone == 0) {
-        snprintf(why, why_size, "theta below 0.5 is unstable in long steps: give monotone=\"yes\" or theta of at least 0.5");
+        snprintf(why, why_size,
+                 "theta below 0.5 is unstable in long steps: give monotone=\"yes\" or theta of at "
+                 "least 0.5");
         return 1;
     }
     return 0;
 }
 
-/* out += sign * L t: heat that leaves each body (sign 1) if t are temperatures above those of the walls. */
+/* out += sign * L t: heat that leaves each body (sign 1) if t are temperatures above those of the
+ * walls. */
 static void add_outflow(const struct calx_network *net, double sign, const double *t, double *out)
 {
     for (size_t e = 0; e < net->edges; e++) {
@@ -99,9 +125,10 @@ static double dot(size_t n, const double *a, const double *b)
     return sum;
 }
 
-/* Solves (C/dt + theta L) x = r, from x = 0; work: 3 n numbers. r becomes the residual. Returns 0, or 1 if it does not converge. */
-static int solve_cg(const struct calx_network *net, double theta, double tolerance, const double *sum, double *x,
-                    double *r, double *work)
+/* Solves (C/dt + theta L) x = r, from x = 0; work: 3 n numbers. r becomes the residual. Returns 0,
+ * or 1 if it does not converge. */
+static int solve_cg(const struct calx_network *net, double theta, double tolerance,
+                    const double *sum, double *x, double *r, double *work)
 {
     size_t n = net->n, most = 10 * n + 100;
     double *z = work, *p = z + n, *ap = p + n, rz = 0;
@@ -126,14 +153,16 @@ static int solve_cg(const struct calx_network *net, double theta, double toleran
     return !(rz <= stop);
 }
 
-/* Books the heat from the walls, and adds dT with the shift that makes the heat of the bodies what sources and walls gave. */
+/* Books the heat from the walls, and adds dT with the shift that makes the heat of the bodies what
+ * sources and walls gave. */
 static void finish(const struct calx_network *net, double theta, const double *change)
 {
     double given = 0, taken = 0, capacity = 0;
     for (size_t b = 0; b < net->boundaries; b++) {
         int32_t i = net->boundary[b];
         double t = net->temperature[i] + theta * change[i];
-        net->boundary_heat[b] = net->dt * net->boundary_conductance[b] * (net->boundary_temperature[b] - t);
+        net->boundary_heat[b] =
+            net->dt * net->boundary_conductance[b] * (net->boundary_temperature[b] - t);
         given += net->boundary_heat[b];
     }
     for (size_t i = 0; i < net->n; i++) {
@@ -163,7 +192,9 @@ static int solve(const void *params, const struct calx_network *net, char *why, 
     double theta = choose_theta(p, net, sum);
     int failed = solve_cg(net, theta, p->tolerance, sum, change, residual, residual + n);
     if (failed)
-        snprintf(why, why_size, "conjugate gradients for %zu temperatures did not reach the tolerance %g", n, p->tolerance);
+        snprintf(why, why_size,
+                 "conjugate gradients for %zu temperatures did not reach the tolerance %g", n,
+                 p->tolerance);
     else
         finish(net, theta, change);
     free(memory);
@@ -182,7 +213,8 @@ CALX_EXPORT const struct calx_plugin calx_plugin = {
     .kind = CALX_TEMPERATURE,
     .name = "heat-theta",
     .summary = "implicit for theta > 0, stable for any step",
-    .reference = "Crank and Nicolson, Proc. Camb. Phil. Soc. 43 (1947) 50; Hestenes and Stiefel, J. Res. NBS 49 (1952) 409",
+    .reference = "Crank and Nicolson, Proc. Camb. Phil. Soc. 43 (1947) 50; Hestenes and Stiefel, "
+                 "J. Res. NBS 49 (1952) 409",
     .equation = "(C/dt + theta L) dT = q(T), q_i = source_i + sum_j H_ij (T_j - T_i);  T += dT",
     .parameter_count = sizeof parameters / sizeof *parameters,
     .parameters = parameters,

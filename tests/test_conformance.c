@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * The conformance suite: each check finds the deliberately wrong plugin made for it (tests/plugins), the right variant of the same
- * file passes, and every plugin that calx finds passes all checks.
+ * The conformance suite: each check finds the deliberately wrong plugin made for it
+ * (tests/plugins), the right variant of the same file passes, and every plugin that calx finds
+ * passes all checks.
  */
 #include <check.h>
 #include <libgen.h>
@@ -96,8 +97,8 @@ START_TEST(test_each_check_bites)
     run(faults[_i].file, &report);
     for (size_t k = 0; k < report.count; k++)
         if (strcmp(report.checks[k].name, faults[_i].check) == 0) {
-            ck_assert_msg(!report.checks[k].passed, "%s passed \"%s\" with %g", faults[_i].file, faults[_i].check,
-                          report.checks[k].figure);
+            ck_assert_msg(!report.checks[k].passed, "%s passed \"%s\" with %g", faults[_i].file,
+                          faults[_i].check, report.checks[k].figure);
             ck_assert_uint_gt(report.failed, 0);
             return;
         }
@@ -109,13 +110,15 @@ static void assert_passes(const struct calx_conformance *report, const char *nam
 {
     ck_assert_uint_gt(report->count, 4);
     for (size_t k = 0; k < report->count; k++)
-        ck_assert_msg(report->checks[k].passed, "%s: %s: %g, bound %g (%s)", name, report->checks[k].name,
-                      report->checks[k].figure, report->checks[k].bound, report->checks[k].where);
+        ck_assert_msg(report->checks[k].passed, "%s: %s: %g, bound %g (%s)", name,
+                      report->checks[k].name, report->checks[k].figure, report->checks[k].bound,
+                      report->checks[k].where);
     ck_assert_uint_eq(report->failed, 0);
 }
 
-static const char *const right[] = {"faulty-normal-none", "faulty-tangential-none", "faulty-conductance-none",
-                                    "faulty-motion-none", "faulty-temperature-none"};
+static const char *const right[] = {"faulty-normal-none", "faulty-tangential-none",
+                                    "faulty-conductance-none", "faulty-motion-none",
+                                    "faulty-temperature-none"};
 
 START_TEST(test_right_variants_pass)
 {
@@ -182,10 +185,20 @@ static const struct {
     const char *words[6];
 } pages[] = {
     {"linaer", CALX_ERROR_INPUT, {"did you mean \"linear\""}},
-    {NULL, 0, {"linear", "velocity-verlet", "heat-theta", "conductance", "integrator (motion)", "template"}},
-    {"hertz", 0, {"contact \"hertz\"", "conductance \"hertz\"", "(E, Pa)", "Johnson", "of <material>", "must be given"}},
-    {"linear", 0, {"stiffness (k, N/m)", "no or yes", "may be left out", "a <pair> may override it"}},
-    {"coulomb", 0, {"spring-and-damper or spring", "spring-and-damper if not given", "tangential velocity, rotation"}},
+    {NULL,
+     0,
+     {"linear", "velocity-verlet", "heat-theta", "conductance", "integrator (motion)", "template"}},
+    {"hertz",
+     0,
+     {"contact \"hertz\"", "conductance \"hertz\"", "(E, Pa)", "Johnson", "of <material>",
+      "must be given"}},
+    {"linear",
+     0,
+     {"stiffness (k, N/m)", "no or yes", "may be left out", "a <pair> may override it"}},
+    {"coulomb",
+     0,
+     {"spring-and-damper or spring", "spring-and-damper if not given",
+      "tangential velocity, rotation"}},
     {"verlet", 0, {"order 2, 1 force evaluation per step", "reversible", "no parameters"}},
     {"heat-theta", 0, {"stable for any step", "0.5 if not given"}},
     {"heat-euler", 0, {"stable for lambda dt < 2"}},
@@ -198,12 +211,13 @@ START_TEST(test_pages)
     FILE *out = open_memstream(&text, &size);
     struct calx_registry *r = calx_registry_create(NULL);
     struct calx_error error = {0};
-    int code = pages[_i].name ? calx_catalogue_show(out, r, pages[_i].name, &error) : calx_catalogue_list(out, r, &error);
+    int code = pages[_i].name ? calx_catalogue_show(out, r, pages[_i].name, &error)
+                              : calx_catalogue_list(out, r, &error);
     fclose(out);
     ck_assert_int_eq(code, pages[_i].code);
     for (size_t k = 0; k < 6 && pages[_i].words[k]; k++)
-        ck_assert_msg(strstr(code ? error.text : text, pages[_i].words[k]) != NULL, "no \"%s\" in: %s", pages[_i].words[k],
-                      code ? error.text : text);
+        ck_assert_msg(strstr(code ? error.text : text, pages[_i].words[k]) != NULL,
+                      "no \"%s\" in: %s", pages[_i].words[k], code ? error.text : text);
     free(text);
     calx_registry_free(r);
 }

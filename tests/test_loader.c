@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * The plugin loader: each kind of failure has its own message, found with a deliberately bad file; then what it finds and
- * where, values against their rows, and the help for prepare of core/plugin.h.
+ * The plugin loader: each kind of failure has its own message, found with a deliberately bad file;
+ * then what it finds and where, values against their rows, and the help for prepare of
+ * core/plugin.h.
  */
 #include <check.h>
 #include <libgen.h>
@@ -15,9 +16,9 @@
 
 #include "core/loader.h"
 
-static char faulty[PATH_MAX + 16];      /* folder of the bad plugins */
-static char folder[2][PATH_MAX / 4];        /* two empty folders for this test */
-static char list[PATH_MAX];             /* both, as a search path */
+static char faulty[PATH_MAX + 16];   /* folder of the bad plugins */
+static char folder[2][PATH_MAX / 4]; /* two empty folders for this test */
+static char list[PATH_MAX];          /* both, as a search path */
 
 static void find_faulty(void)
 {
@@ -62,7 +63,7 @@ static void assert_words(const char *text, const char *const *words, size_t coun
         ck_assert_msg(strstr(text, words[k]) != NULL, "no \"%s\" in: %s", words[k], text);
 }
 
-/* ---- bad files ----------------------------------------------------------------------------------------- */
+/* ---- bad files ---- */
 
 static const struct {
     const char *file, *words[3];
@@ -123,7 +124,8 @@ START_TEST(test_not_a_shared_object)
     struct calx_registry *r = calx_registry_create(list);
     struct calx_error error = {0};
     ck_assert_ptr_null(calx_registry_find(r, CALX_CONTACT, "text", &error));
-    assert_words(error.text, (const char *const[]){"cannot load the plugin", path, "invalid ELF header"}, 3);
+    assert_words(error.text,
+                 (const char *const[]){"cannot load the plugin", path, "invalid ELF header"}, 3);
     calx_registry_free(r);
 }
 END_TEST
@@ -134,8 +136,11 @@ START_TEST(test_not_found)
     struct calx_error error = {0};
     put(1, "broken-none", "contact-broken.so");
     ck_assert_ptr_null(calx_registry_find(r, CALX_CONTACT, "brokem", &error));
-    assert_words(error.text, (const char *const[]){"no plugin \"brokem\" of kind contact", "did you mean \"broken\"", folder[0],
-                 folder[1], "contact-brokem.so"}, 5);
+    assert_words(error.text,
+                 (const char *const[]){"no plugin \"brokem\" of kind contact",
+                                       "did you mean \"broken\"", folder[0], folder[1],
+                                       "contact-brokem.so"},
+                 5);
     ck_assert_ptr_null(calx_registry_find(r, CALX_MOTION, "broken", &error));
     ck_assert_ptr_nonnull(strstr(error.text, "of kind integrator (motion)"));
     ck_assert_ptr_null(calx_registry_find(r, CALX_CONTACT, "../broken", &error));
@@ -150,10 +155,15 @@ START_TEST(test_wrong_kind_and_name)
     struct calx_error error = {0};
     put(0, "broken-none", "conductance-broken.so");
     ck_assert_ptr_null(calx_registry_find(r, CALX_CONDUCTANCE, "broken", &error));
-    assert_words(error.text, (const char *const[]){"wrong kind: contact, expected conductance", "conductance-broken.so"}, 2);
+    assert_words(
+        error.text,
+        (const char *const[]){"wrong kind: contact, expected conductance", "conductance-broken.so"},
+        2);
     put(0, "broken-none", "contact-alias.so");
     ck_assert_ptr_null(calx_registry_find(r, CALX_CONTACT, "alias", &error));
-    assert_words(error.text, (const char *const[]){"calls itself \"broken\"", "rename it to contact-broken.so"}, 2);
+    assert_words(error.text,
+                 (const char *const[]){"calls itself \"broken\"", "rename it to contact-broken.so"},
+                 2);
     ck_assert_uint_eq(calx_registry_count(r), 0);
     calx_registry_free(r);
 }
@@ -167,7 +177,10 @@ START_TEST(test_duplicates)
     put(0, "broken-none", "contact-broken.so");
     put(1, "broken-other", "contact-broken.so");
     ck_assert_ptr_null(calx_registry_find(r, CALX_CONTACT, "broken", &error));
-    assert_words(error.text, (const char *const[]){"two different plugins", "contact \"broken\"", folder[0], folder[1]}, 4);
+    assert_words(
+        error.text,
+        (const char *const[]){"two different plugins", "contact \"broken\"", folder[0], folder[1]},
+        4);
     /* the same content twice is no contradiction */
     put(1, "broken-none", "contact-broken.so");
     const struct calx_plugin *p = calx_registry_find(r, CALX_CONTACT, "broken", &error);
@@ -180,7 +193,10 @@ START_TEST(test_duplicates)
     ck_assert_ptr_nonnull(calx_registry_load(r, path, &error));
     snprintf(path, sizeof path, "%s/faulty-tangential-none.so", faulty);
     ck_assert_ptr_null(calx_registry_load(r, path, &error));
-    assert_words(error.text, (const char *const[]){"two different plugins", "faulty-normal-none.so", "faulty-tangential-none.so"}, 3);
+    assert_words(error.text,
+                 (const char *const[]){"two different plugins", "faulty-normal-none.so",
+                                       "faulty-tangential-none.so"},
+                 3);
     calx_registry_free(r);
 }
 END_TEST
@@ -205,16 +221,16 @@ START_TEST(test_load_all_reports_problems)
 }
 END_TEST
 
-/* ---- what is found ------------------------------------------------------------------------------------- */
+/* ---- what is found ---- */
 
 static const struct {
     enum calx_kind kind;
     const char *name;
 } there[] = {
-    {CALX_CONTACT, "linear"},         {CALX_CONTACT, "coulomb"},          {CALX_CONTACT, "hertz"},
-    {CALX_CONTACT, "mindlin"},        {CALX_CONTACT, "template"},         {CALX_CONDUCTANCE, "overlap"},
-    {CALX_CONDUCTANCE, "hertz"},      {CALX_CONDUCTANCE, "constant"},     {CALX_MOTION, "velocity-verlet"},
-    {CALX_MOTION, "verlet"},          {CALX_TEMPERATURE, "heat-euler"},   {CALX_TEMPERATURE, "heat-theta"},
+    {CALX_CONTACT, "linear"},    {CALX_CONTACT, "coulomb"},        {CALX_CONTACT, "hertz"},
+    {CALX_CONTACT, "mindlin"},   {CALX_CONTACT, "template"},       {CALX_CONDUCTANCE, "overlap"},
+    {CALX_CONDUCTANCE, "hertz"}, {CALX_CONDUCTANCE, "constant"},   {CALX_MOTION, "velocity-verlet"},
+    {CALX_MOTION, "verlet"},     {CALX_TEMPERATURE, "heat-euler"}, {CALX_TEMPERATURE, "heat-theta"},
 };
 
 START_TEST(test_found)
@@ -240,26 +256,40 @@ START_TEST(test_kind_names)
 }
 END_TEST
 
-/* ---- values against rows ---------------------------------------------------------------------------------- */
+/* ---- values against rows ---- */
 
 static const struct {
     struct calx_parameter row;
     double value;
     const char *words; /* NULL: allowed */
 } values[] = {
-    {{.name = "e", .unit = "1", .min = 0, .max = 1}, NAN, "e must be at least 0 and at most 1, not nan"},
+    {{.name = "e", .unit = "1", .min = 0, .max = 1},
+     NAN,
+     "e must be at least 0 and at most 1, not nan"},
     {{.name = "e", .unit = "1", .min = 0, .max = 1}, -0.1, "not -0.1"},
     {{.name = "e", .unit = "1", .min = 0, .max = 1}, 1.1, "at most 1"},
     {{.name = "k", .unit = "N/m", .min = 0, .max = INFINITY}, INFINITY, "not inf"},
-    {{.name = "k", .unit = "N/m", .min = 0, .max = 9, .flags = CALX_OPEN_MIN}, 0, "greater than 0 N/m"},
-    {{.name = "k", .unit = "N/m", .min = 0, .max = 9, .flags = CALX_OPEN_MAX}, 9, "less than 9 N/m"},
-    {{.name = "clip", .unit = "1", .min = 0, .max = 1, .flags = CALX_SWITCH}, 0.5, "one of no, yes"},
-    {{.name = "cap", .unit = "1", .min = 0, .max = 1, .flags = CALX_CHOICE, .choices = "a|b"}, 0.5, "one of a|b"},
-    {{.name = "cap", .unit = "1", .min = 0, .max = 1, .flags = CALX_CHOICE, .choices = "a|b"}, 2, "at most 1"},
+    {{.name = "k", .unit = "N/m", .min = 0, .max = 9, .flags = CALX_OPEN_MIN},
+     0,
+     "greater than 0 N/m"},
+    {{.name = "k", .unit = "N/m", .min = 0, .max = 9, .flags = CALX_OPEN_MAX},
+     9,
+     "less than 9 N/m"},
+    {{.name = "clip", .unit = "1", .min = 0, .max = 1, .flags = CALX_SWITCH},
+     0.5,
+     "one of no, yes"},
+    {{.name = "cap", .unit = "1", .min = 0, .max = 1, .flags = CALX_CHOICE, .choices = "a|b"},
+     0.5,
+     "one of a|b"},
+    {{.name = "cap", .unit = "1", .min = 0, .max = 1, .flags = CALX_CHOICE, .choices = "a|b"},
+     2,
+     "at most 1"},
     {{.name = "e", .unit = "1", .min = 0, .max = 1}, 0, NULL},
     {{.name = "e", .unit = "1", .min = 0, .max = 1}, 1, NULL},
     {{.name = "k", .unit = "N/m", .min = 0, .max = 9, .flags = CALX_OPEN_MIN}, 1e-300, NULL},
-    {{.name = "cap", .unit = "1", .min = 0, .max = 1, .flags = CALX_CHOICE, .choices = "a|b"}, 1, NULL},
+    {{.name = "cap", .unit = "1", .min = 0, .max = 1, .flags = CALX_CHOICE, .choices = "a|b"},
+     1,
+     NULL},
 };
 
 START_TEST(test_values)
@@ -268,7 +298,8 @@ START_TEST(test_values)
     int code = calx_parameter_check(&values[_i].row, values[_i].value, &error);
     ck_assert_int_eq(code, values[_i].words ? CALX_ERROR_INPUT : 0);
     if (values[_i].words)
-        ck_assert_msg(strstr(error.text, values[_i].words) != NULL, "no \"%s\" in: %s", values[_i].words, error.text);
+        ck_assert_msg(strstr(error.text, values[_i].words) != NULL, "no \"%s\" in: %s",
+                      values[_i].words, error.text);
 }
 END_TEST
 
@@ -284,8 +315,9 @@ START_TEST(test_impossible_values)
         for (size_t k = 0; k < p->parameter_count; k++, rows++) {
             ck_assert_ptr_eq(calx_plugin_parameter(p, p->parameters[k].name), &p->parameters[k]);
             for (size_t v = 0; v < sizeof impossible / sizeof *impossible; v++)
-                ck_assert_msg(calx_parameter_check(&p->parameters[k], impossible[v], NULL) == CALX_ERROR_INPUT, "%s %s takes %g",
-                              p->name, p->parameters[k].name, impossible[v]);
+                ck_assert_msg(calx_parameter_check(&p->parameters[k], impossible[v], NULL) ==
+                                  CALX_ERROR_INPUT,
+                              "%s %s takes %g", p->name, p->parameters[k].name, impossible[v]);
         }
         ck_assert_ptr_null(calx_plugin_parameter(p, "nonsense"));
     }

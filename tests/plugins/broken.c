@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * A descriptor that is right for FAULT NONE and that the loader must refuse for each other, one rule each. For tests only.
+ * A descriptor that is right for FAULT NONE and that the loader must refuse for each other, one
+ * rule each. For tests only.
  */
 #include <math.h>
 #include <stddef.h>
@@ -8,8 +9,36 @@
 #include "core/plugin.h"
 
 enum {
-    NONE, OTHER, SYMBOL, MAGIC, ABI, SIZE, KIND, NAME, SUMMARY, LAW, FORCE, RESPONSE, PROVIDES, HISTORY, TABLE, ROW_NAME, ROW_TWICE, ROW_TEXTS,
-    ROW_SCOPE, ROW_FLAGS, ROW_WORDS, ROW_CHOICES, ROW_NAN, ROW_CROSSED, ROW_RANGE, ROW_DEFAULT, ROW_ALIGNED, ROW_OUTSIDE, ROW_OVERLAPS, UNDEFINED
+    NONE,
+    OTHER,
+    SYMBOL,
+    MAGIC,
+    ABI,
+    SIZE,
+    KIND,
+    NAME,
+    SUMMARY,
+    LAW,
+    FORCE,
+    RESPONSE,
+    PROVIDES,
+    HISTORY,
+    TABLE,
+    ROW_NAME,
+    ROW_TWICE,
+    ROW_TEXTS,
+    ROW_SCOPE,
+    ROW_FLAGS,
+    ROW_WORDS,
+    ROW_CHOICES,
+    ROW_NAN,
+    ROW_CROSSED,
+    ROW_RANGE,
+    ROW_DEFAULT,
+    ROW_ALIGNED,
+    ROW_OUTSIDE,
+    ROW_OVERLAPS,
+    UNDEFINED
 };
 
 struct broken {
@@ -17,7 +46,12 @@ struct broken {
 };
 
 static const struct calx_parameter parameters[] = {
-    {.name = "a", .symbol = "a", .unit = "1", .doc = "A.", .max = 1, .offset = offsetof(struct broken, a)},
+    {.name = "a",
+     .symbol = "a",
+     .unit = "1",
+     .doc = "A.",
+     .max = 1,
+     .offset = offsetof(struct broken, a)},
     {.name = FAULT == ROW_NAME    ? "Bad Name"
              : FAULT == ROW_TWICE ? "a"
                                   : "b",
@@ -34,7 +68,9 @@ static const struct calx_parameter parameters[] = {
               : FAULT == ROW_CHOICES ? CALX_CHOICE
               : FAULT == ROW_RANGE   ? CALX_CHOICE
                                      : 0,
-     .choices = FAULT == ROW_RANGE ? "x|y|z" : FAULT == ROW_WORDS ? "x|y" : NULL,
+     .choices = FAULT == ROW_RANGE   ? "x|y|z"
+                : FAULT == ROW_WORDS ? "x|y"
+                                     : NULL,
      .scope = FAULT == ROW_SCOPE ? 9 : CALX_RUN,
      .offset = FAULT == ROW_ALIGNED    ? 9
                : FAULT == ROW_OUTSIDE  ? sizeof(struct broken)
@@ -55,7 +91,8 @@ static void force(const void *params, const struct calx_contacts *b)
     CALL_MISSING();
 }
 
-static void response(const void *params, const struct calx_contacts *b, const struct calx_response *r)
+static void response(const void *params, const struct calx_contacts *b,
+                     const struct calx_response *r)
 {
     (void)params, (void)b, (void)r;
 }
@@ -73,18 +110,17 @@ static const struct calx_contact_law law = {.provides = FAULT == PROVIDES ? 0 : 
 
 __attribute__((visibility(VISIBILITY))) extern const struct calx_plugin calx_plugin;
 
-const struct calx_plugin calx_plugin = {
-    .magic = FAULT == MAGIC ? 0x12345678u : CALX_PLUGIN_MAGIC,
-    .abi = FAULT == ABI ? CALX_PLUGIN_ABI + 6 : CALX_PLUGIN_ABI,
-    .size = FAULT == SIZE ? 40 : sizeof(struct calx_plugin),
-    .kind = FAULT == KIND ? 77 : CALX_CONTACT,
-    .name = FAULT == NAME    ? "Bad Name"
-            : FAULT == OTHER ? "other"
-                             : "broken",
-    .summary = FAULT == SUMMARY ? "" : "for tests",
-    .reference = "none",
-    .equation = "0",
-    .parameter_count = 2,
-    .parameters = FAULT == TABLE ? NULL : parameters,
-    .params_size = sizeof(struct broken),
-    .law = FAULT == LAW ? NULL : &law};
+const struct calx_plugin calx_plugin = {.magic = FAULT == MAGIC ? 0x12345678u : CALX_PLUGIN_MAGIC,
+                                        .abi = FAULT == ABI ? CALX_PLUGIN_ABI + 6 : CALX_PLUGIN_ABI,
+                                        .size = FAULT == SIZE ? 40 : sizeof(struct calx_plugin),
+                                        .kind = FAULT == KIND ? 77 : CALX_CONTACT,
+                                        .name = FAULT == NAME    ? "Bad Name"
+                                                : FAULT == OTHER ? "other"
+                                                                 : "broken",
+                                        .summary = FAULT == SUMMARY ? "" : "for tests",
+                                        .reference = "none",
+                                        .equation = "0",
+                                        .parameter_count = 2,
+                                        .parameters = FAULT == TABLE ? NULL : parameters,
+                                        .params_size = sizeof(struct broken),
+                                        .law = FAULT == LAW ? NULL : &law};

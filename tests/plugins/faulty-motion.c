@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Velocity Verlet that is right for FAULT NONE and breaks one rule of the contract for each other. For tests only.
+ * Velocity Verlet that is right for FAULT NONE and breaks one rule of the contract for each other.
+ * For tests only.
  */
 #include <stddef.h>
 
@@ -55,12 +56,21 @@ static void spin_after(const void *params, const struct calx_rows *r)
     kick(r, FAULT == SPIN ? 0 : 0.5);
 }
 
-static const struct calx_stage translation[] = {{before, after}}, rotation[] = {{spin_before, spin_after}};
+static const struct calx_stage translation[] = {{before, after}},
+                               rotation[] = {{spin_before, spin_after}};
 
-static const struct calx_motion_integrator law = {
-    .order = 2, .stages = 1, .reversible = 1, .stability = FAULT == LIMIT ? 2.2 : 2, .velocity_lag = FAULT == LAG ? 0 : 0.5,
-    .translation = translation, .rotation = rotation};
+static const struct calx_motion_integrator law = {.order = 2,
+                                                  .stages = 1,
+                                                  .reversible = 1,
+                                                  .stability = FAULT == LIMIT ? 2.2 : 2,
+                                                  .velocity_lag = FAULT == LAG ? 0 : 0.5,
+                                                  .translation = translation,
+                                                  .rotation = rotation};
 
-CALX_EXPORT const struct calx_plugin calx_plugin = {
-    CALX_DESCRIPTOR_PREFIX, .kind = CALX_MOTION, .name = "faulty", .summary = "for tests", .reference = "none",
-    .equation = "x(n+1) = x(n) + v dt", .law = &law};
+CALX_EXPORT const struct calx_plugin calx_plugin = {CALX_DESCRIPTOR_PREFIX,
+                                                    .kind = CALX_MOTION,
+                                                    .name = "faulty",
+                                                    .summary = "for tests",
+                                                    .reference = "none",
+                                                    .equation = "x(n+1) = x(n) + v dt",
+                                                    .law = &law};

@@ -1,26 +1,58 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * A normal law, fn = k d - c vn, that is right for FAULT NONE and breaks one rule of the contract for each other: the conformance
- * suite must find it. For tests only.
+ * A normal law, fn = k d - c vn, that is right for FAULT NONE and breaks one rule of the contract
+ * for each other: the conformance suite must find it. For tests only.
  */
 #include <stdio.h>
 
 #include "core/plugin.h"
 
-enum { NONE, PIECES, ORDER, PADDING, UNDECLARED, INFINITE, APART, IDLE_WORK, DIRECTION, ENERGY, STIFFNESS, DAMPING, GAIN, LEFT, BOOKS, REFUSES };
+enum {
+    NONE,
+    PIECES,
+    ORDER,
+    PADDING,
+    UNDECLARED,
+    INFINITE,
+    APART,
+    IDLE_WORK,
+    DIRECTION,
+    ENERGY,
+    STIFFNESS,
+    DAMPING,
+    GAIN,
+    LEFT,
+    BOOKS,
+    REFUSES
+};
 
 struct faulty {
     double stiffness, damping;
 };
 
 static const struct calx_parameter parameters[] = {
-    {.name = "stiffness", .symbol = "k", .unit = "N/m", .doc = "Stiffness.", .min = 1e-9, .max = 1e15,
-     .flags = CALX_REQUIRED, .scope = CALX_PAIR, .offset = offsetof(struct faulty, stiffness)},
-    {.name = "damping", .symbol = "c", .unit = "N s/m", .doc = "Damping.", .initial = 0.1, .min = 0, .max = 1e6,
-     .scope = CALX_PAIR, .offset = offsetof(struct faulty, damping)},
+    {.name = "stiffness",
+     .symbol = "k",
+     .unit = "N/m",
+     .doc = "Stiffness.",
+     .min = 1e-9,
+     .max = 1e15,
+     .flags = CALX_REQUIRED,
+     .scope = CALX_PAIR,
+     .offset = offsetof(struct faulty, stiffness)},
+    {.name = "damping",
+     .symbol = "c",
+     .unit = "N s/m",
+     .doc = "Damping.",
+     .initial = 0.1,
+     .min = 0,
+     .max = 1e6,
+     .scope = CALX_PAIR,
+     .offset = offsetof(struct faulty, damping)},
 };
 
-static int prepare(const struct calx_setup *setup, void *params, struct calx_demand *demand, char *why, size_t why_size)
+static int prepare(const struct calx_setup *setup, void *params, struct calx_demand *demand,
+                   char *why, size_t why_size)
 {
     (void)setup, (void)params, (void)demand;
     if (FAULT == REFUSES)
@@ -60,13 +92,15 @@ static void force(const void *params, const struct calx_contacts *b)
     }
 }
 
-static void response(const void *params, const struct calx_contacts *b, const struct calx_response *r)
+static void response(const void *params, const struct calx_contacts *b,
+                     const struct calx_response *r)
 {
     const struct faulty *p = params;
     for (size_t c = 0; c < b->n; c++) {
         if (b->overlap[c] <= 0)
             continue;
-        r->energy[c] += (FAULT == ENERGY ? 0.4 : 0.5) * p->stiffness * b->overlap[c] * b->overlap[c];
+        r->energy[c] +=
+            (FAULT == ENERGY ? 0.4 : 0.5) * p->stiffness * b->overlap[c] * b->overlap[c];
         r->stiffness[0][c] += (FAULT == STIFFNESS ? 1.1 : 1) * p->stiffness;
         r->damping[0][c] += (FAULT == DAMPING ? 0.9 : 1) * p->damping;
     }
@@ -74,9 +108,20 @@ static void response(const void *params, const struct calx_contacts *b, const st
 
 static const char *const history[] = {"force"};
 
-static const struct calx_contact_law law = {
-    .provides = CALX_NORMAL, .demand = {.history_scalars = 1}, .history = history, .prepare = prepare, .force = force, .response = response};
+static const struct calx_contact_law law = {.provides = CALX_NORMAL,
+                                            .demand = {.history_scalars = 1},
+                                            .history = history,
+                                            .prepare = prepare,
+                                            .force = force,
+                                            .response = response};
 
-CALX_EXPORT const struct calx_plugin calx_plugin = {
-    CALX_DESCRIPTOR_PREFIX, .kind = CALX_CONTACT, .name = "faulty", .summary = "for tests", .reference = "none",
-    .equation = "fn = k d - c vn", .parameter_count = 2, .parameters = parameters, .params_size = sizeof(struct faulty), .law = &law};
+CALX_EXPORT const struct calx_plugin calx_plugin = {CALX_DESCRIPTOR_PREFIX,
+                                                    .kind = CALX_CONTACT,
+                                                    .name = "faulty",
+                                                    .summary = "for tests",
+                                                    .reference = "none",
+                                                    .equation = "fn = k d - c vn",
+                                                    .parameter_count = 2,
+                                                    .parameters = parameters,
+                                                    .params_size = sizeof(struct faulty),
+                                                    .law = &law};

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * A tangential law that is right for FAULT NONE and breaks one rule of the contract for each other: the conformance suite must find it.
- * GAIN is damping on the whole sliding velocity, as in other codes: it gives energy when sliding slows down. For tests only.
+ * A tangential law that is right for FAULT NONE and breaks one rule of the contract for each other:
+ * the conformance suite must find it. GAIN is damping on the whole sliding velocity, as in other
+ * codes: it gives energy when sliding slows down. For tests only.
  */
 #include <math.h>
 
@@ -14,10 +15,24 @@ struct faulty {
 };
 
 static const struct calx_parameter parameters[] = {
-    {.name = "stiffness", .symbol = "k", .unit = "N/m", .doc = "Stiffness.", .min = 1e-3, .max = 1e9,
-     .flags = CALX_REQUIRED, .scope = CALX_PAIR, .offset = offsetof(struct faulty, stiffness)},
-    {.name = "friction", .symbol = "mu", .unit = "1", .doc = "Friction.", .min = 0, .max = 10,
-     .flags = CALX_REQUIRED, .scope = CALX_PAIR, .offset = offsetof(struct faulty, friction)},
+    {.name = "stiffness",
+     .symbol = "k",
+     .unit = "N/m",
+     .doc = "Stiffness.",
+     .min = 1e-3,
+     .max = 1e9,
+     .flags = CALX_REQUIRED,
+     .scope = CALX_PAIR,
+     .offset = offsetof(struct faulty, stiffness)},
+    {.name = "friction",
+     .symbol = "mu",
+     .unit = "1",
+     .doc = "Friction.",
+     .min = 0,
+     .max = 10,
+     .flags = CALX_REQUIRED,
+     .scope = CALX_PAIR,
+     .offset = offsetof(struct faulty, friction)},
 };
 
 static const double damping = FAULT == GAIN ? 0.3 : 0;
@@ -27,7 +42,8 @@ static void force(const void *params, const struct calx_contacts *b)
     const struct faulty *p = params;
     double *const *s = b->history, *const *h = b->history + 3;
     for (size_t c = 0; c < b->n; c++) {
-        double f[3], size = 0, done = 0, stored = 0, touch = b->overlap[c] > 0 || FAULT == KEEPS ? 1 : 0;
+        double f[3], size = 0, done = 0, stored = 0,
+                     touch = b->overlap[c] > 0 || FAULT == KEEPS ? 1 : 0;
         for (int k = 0; k < 3; k++) {
             f[k] = s[k][c] - p->stiffness * b->vt[k][c] * b->dt - touch * damping * b->vt[k][c];
             f[k] += FAULT == DIRECTION && k == 1 ? 1e-6 * touch : 0;
@@ -48,7 +64,8 @@ static void force(const void *params, const struct calx_contacts *b)
     }
 }
 
-static void response(const void *params, const struct calx_contacts *b, const struct calx_response *r)
+static void response(const void *params, const struct calx_contacts *b,
+                     const struct calx_response *r)
 {
     const struct faulty *p = params;
     for (size_t c = 0; c < b->n; c++) {
@@ -71,6 +88,13 @@ static const struct calx_contact_law law = {
     .force = force,
     .response = response};
 
-CALX_EXPORT const struct calx_plugin calx_plugin = {
-    CALX_DESCRIPTOR_PREFIX, .kind = CALX_CONTACT, .name = "faulty", .summary = "for tests", .reference = "none",
-    .equation = "ft = s", .parameter_count = 2, .parameters = parameters, .params_size = sizeof(struct faulty), .law = &law};
+CALX_EXPORT const struct calx_plugin calx_plugin = {CALX_DESCRIPTOR_PREFIX,
+                                                    .kind = CALX_CONTACT,
+                                                    .name = "faulty",
+                                                    .summary = "for tests",
+                                                    .reference = "none",
+                                                    .equation = "ft = s",
+                                                    .parameter_count = 2,
+                                                    .parameters = parameters,
+                                                    .params_size = sizeof(struct faulty),
+                                                    .law = &law};
