@@ -63,7 +63,6 @@ def check_folder(path):
 def write_picture(scene, path, options):
     time = choose_time(scene.times, options)
     calx_view.set_time(scene, time)
-    simple.Render(scene.view)
     simple.SaveScreenshot(path, scene.view, ImageResolution=list(options.size))
     print("%s: t = %g s" % (path, time))
 
@@ -73,7 +72,6 @@ def write_film(scene, path, options):
     if kind not in FILMS + (".png",):
         raise ValueError("cannot write a film '%s': use .ogv or .avi, or .png for numbered pictures" % path)
     extra = {"FrameRate": int(round(options.fps))} if kind in FILMS else {"SuffixFormat": "_%05d"}
-    simple.Render(scene.view)
     simple.SaveAnimation(path, scene.view, ImageResolution=list(options.size),
                          FrameWindow=[0, len(scene.times) - 1], **extra)
     print("%s: %d frames" % (path, len(scene.times)))

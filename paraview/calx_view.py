@@ -24,6 +24,7 @@ COLORS = [
 GRAY = [0.55, 0.57, 0.6]
 INK = [0.1, 0.1, 0.1]
 SAMPLES = 12  # frames that are looked at for ranges: enough to see a trend, few enough to open quickly
+ROUNDNESS = [(2000, 24), (10000, 16), (float("inf"), 10)]  # (most grains, resolution): software rendering stays quick
 BAR = 0.16  # share of the width kept free for the colour bar
 
 
@@ -101,7 +102,8 @@ def show_grains(scene):
     # instances of one sphere: no memory per grain, and the array of radii is used as it is
     display.SetRepresentationType("3D Glyphs")
     display.GlyphType = "Sphere"
-    display.GlyphType.ThetaResolution = display.GlyphType.PhiResolution = 24
+    count = scene.grains.GetDataInformation().GetNumberOfPoints()
+    display.GlyphType.ThetaResolution = display.GlyphType.PhiResolution = next(r for most, r in ROUNDNESS if count <= most)
     display.Orient = 0
     display.Scaling = 1
     display.ScaleMode = "Magnitude"
