@@ -74,19 +74,18 @@ static void read_value(struct calx_reader *r, const xmlNode *node, const char *c
     expect->atol = calx_case_number_in(r, node, "atol", unit, true);
 }
 
-static void read_stage(struct calx_reader *r, const xmlNode *node, struct calx_expect *expect)
+int calx_case_stage(struct calx_reader *r, const xmlNode *node, const char *attribute)
 {
-    const char *stage = calx_case_given(node, "stage"), *names[64];
+    const char *stage = calx_case_given(node, attribute), *names[64];
     size_t count = 0;
-    if (!stage)
-        return;
-    snprintf(expect->stage, sizeof expect->stage, "%.47s", stage);
-    for (size_t k = 0; k < r->scene->stage_count; k++)
+    for (size_t k = 0; stage && k < r->scene->stage_count; k++)
         if (strcmp(r->scene->stages[k].name, stage) == 0)
-            return;
+            return (int)k;
     for (; count < r->scene->stage_count && count < 64; count++)
         names[count] = r->scene->stages[count].name;
-    calx_case_fail_name(r, node, "stage", "stage", stage, names, count);
+    if (stage)
+        calx_case_fail_name(r, node, attribute, "stage", stage, names, count);
+    return -1;
 }
 
 /* The unit of what is expected; NULL and a problem if there is no such column. */
@@ -116,7 +115,9 @@ static void read_expect(struct calx_reader *r, const xmlNode *node)
     if (calx_case_given(node, "source"))
         snprintf(expect->source, sizeof expect->source, "%.255s", calx_case_given(node, "source"));
     const char *unit = read_of(r, node, expect), *chosen = read_when(r, node, expect);
-    read_stage(r, node, expect);
+    int stage = calx_case_stage(r, node, "stage");
+    if (stage >= 0)
+        snprintf(expect->stage, sizeof expect->stage, "%s", r->scene->stages[stage].name);
     if (unit)
         read_value(r, node, chosen, unit, expect);
 }

@@ -60,9 +60,11 @@ static void read_choices(struct calx_reader *r, const xmlNode *node, struct calx
     int component = calx_case_word(r, node, "component"),
         reduce = calx_case_word(r, node, "reduce");
     double cell = calx_case_number(r, node, "cell");
+    int stage = calx_case_stage(r, node, "since");
     probe->particle = calx_case_whole(r, node, "particle");
     probe->material = calx_case_material(r, node, "material");
     probe->wall = calx_case_wall(r, node, "wall");
+    probe->stage = stage < 0 ? 0 : stage;
     probe->component = component < 0 ? 0 : components[component];
     probe->cell = isnan(cell) ? 0.0 : cell;
     if (reduce >= 0)
@@ -94,6 +96,8 @@ static void check_probe(struct calx_reader *r, const xmlNode *node,
         (size_t)probe->particle >= r->scene->particles.count && !r->problems->count)
         calx_case_fail(r, node, "particle", "no particle %lld, ids go from 0 to %zu",
                        (long long)probe->particle, r->scene->particles.count - 1);
+    if (calx_measure_has_classes(probe) && !*probe->classes)
+        calx_case_fail(r, node, NULL, "attribute 'classes' is missing: expected one of %s", calx_measure_classes());
     if (*probe->classes && !calx_measure_is_class(probe->classes))
         calx_case_fail(r, node, "classes", "'%s', expected one of %s", probe->classes,
                        calx_measure_classes());

@@ -145,6 +145,9 @@ void calx_case_read_stages(struct calx_reader *);
 void calx_case_read_gravity(struct calx_reader *, const xmlNode *, struct calx_function gravity[3]);
 void calx_case_read_output(struct calx_reader *);
 void calx_case_read_expects(struct calx_reader *);
+
+/* The index of the stage that the attribute names; -1 if it is not given or there is no such stage (a problem). */
+int calx_case_stage(struct calx_reader *, const xmlNode *, const char *attribute);
 /* What only the whole scene shows: parameters that materials lack, densities. */
 void calx_case_check_scene(struct calx_reader *);
 

@@ -216,6 +216,8 @@ static const struct calx_attribute probe_attributes[] = {
      "for a mixing index: what divides the grains into two kinds"},
     {"cell", QUANTITY, "m", NULL, NULL, POSITIVE,
      "for a mixing index: size of the cells in which grains are counted"},
+    {"since", NAME, NULL, NULL, NULL, NO_RANGE,
+     "for a mixing index: the stage at whose start the grains are divided; the first if not given"},
 };
 static const struct calx_element probe = {"probe", "probe", "A column of the CSV.",
                                           ATTRIBUTES(probe_attributes)};
