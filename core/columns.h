@@ -18,9 +18,8 @@
 
 /* Scratch of one thread, small enough for L1. Filled before evaluation: distance to work; then fn to history. */
 struct calx_columns {
-    size_t n;
     /* in */
-    double overlap[CALX_BATCH], normal[3][CALX_BATCH];
+    double overlap[CALX_BATCH], normal[3][CALX_BATCH], reach[CALX_BATCH]; /* reach: sum of radii */
     double velocity[3][CALX_BATCH];         /* v_i - v_j of the centres; of a wall: at the contact point */
     double lever[2][CALX_BATCH];            /* from each centre to the contact point; 0 for a wall */
     double omega[2][3][CALX_BATCH];
@@ -31,11 +30,12 @@ struct calx_columns {
     double vn[CALX_BATCH], vt[3][CALX_BATCH], spin[3][CALX_BATCH];
     /* out */
     double fn[CALX_BATCH], coulomb[CALX_BATCH], ft[3][CALX_BATCH], torque[3][CALX_BATCH], work[CALX_BATCH];
-    double conductance[CALX_BATCH];
+    double conductance[CALX_BATCH], heat[2][CALX_BATCH]; /* W/K; W into i and into j */
     double energy[CALX_BATCH];
     double force[3][CALX_BATCH], twist[3][CALX_BATCH]; /* on i; n x ft: what the levers multiply */
     int32_t row[2][CALX_BATCH];
     size_t source[CALX_BATCH]; /* pair, or wall contact, the lane came from */
+    size_t n;                  /* last, so that every column is aligned */
 } __attribute__((aligned(64)));
 
 /* Fills vn, vt, spin, turns the history, runs the laws and the conductance: fn .. conductance, force, twist. */

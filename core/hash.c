@@ -45,7 +45,7 @@ static uint64_t hash_pair(const struct calx_sim *s, const struct calx_row_block 
     for (size_t c = 0; c < s->plan->history; c++) {
         bool vector = s->plan->history_is_vector[c] || (c > 0 && s->plan->history_is_vector[c - 1]) ||
                       (c > 1 && s->plan->history_is_vector[c - 2]);
-        double v = s->pairs.history[s->plan->history * k + c] * (vector ? sign : 1.0) + 0.0;
+        double v = s->pairs.history[s->plan->history_stride * k + c] * (vector ? sign : 1.0) + 0.0;
         h = feed(h, &v, sizeof v);
     }
     return mix(h);

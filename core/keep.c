@@ -81,15 +81,15 @@ static void copy_history(const struct calx_sim *s, const double *from, double *t
 void calx_keep_apply(const struct calx_rebuild *r, size_t block)
 {
     size_t first = r->groups[r->new_blocks[block].group_first].first;
-    size_t columns = r->sim->plan->history;
+    size_t stride = r->sim->plan->history_stride;
     for (size_t k = first; k < first + r->local[block].pairs; k++) {
         int32_t i = new_place(r, block, r->pairs.i[k]), j = new_place(r, block, r->pairs.j[k]);
         const struct calx_kept *kept = find_kept(r, i < j ? i : j, i < j ? j : i);
         if (!kept)
             continue;
         r->pairs.touching[k] = 1;
-        if (columns)
-            copy_history(r->sim, r->sim->pairs.history + columns * kept->pair,
-                         r->pairs.history + columns * k, kept->i == i ? 1.0 : -1.0);
+        if (stride)
+            copy_history(r->sim, r->sim->pairs.history + stride * kept->pair,
+                         r->pairs.history + stride * k, kept->i == i ? 1.0 : -1.0);
     }
 }

@@ -115,7 +115,7 @@ static int allocate_pairs(struct calx_rebuild *r)
     r->pairs.i = calx_memory_zeroed(n, sizeof *r->pairs.i);
     r->pairs.j = calx_memory_zeroed(n, sizeof *r->pairs.j);
     r->pairs.touching = calx_memory_zeroed(n, 1);
-    r->pairs.history = calx_memory_zeroed(n * r->sim->plan->history, sizeof(double));
+    r->pairs.history = calx_memory_zeroed(n * r->sim->plan->history_stride, sizeof(double));
     return !r->pairs.i || !r->pairs.j || !r->pairs.touching || !r->pairs.history;
 }
 
@@ -239,18 +239,9 @@ static void clear(struct calx_rebuild *r, size_t lists)
         free(all[k]);
 }
 
-int calx_neighbours_scratch(struct calx_sim *s)
+void calx_neighbours_team(struct calx_sim *s)
 {
-    size_t longest = 0;
     s->team = (size_t)s->threads < s->block_count ? s->threads : (int)s->block_count;
-    for (size_t g = 0; g < s->group_count; g++)
-        longest = s->groups[g].count > longest ? s->groups[g].count : longest;
-    for (int t = 0; t < s->threads; t++) {
-        free(s->selected[t]);
-        if (!(s->selected[t] = calx_memory_zeroed(longest + 1, sizeof **s->selected)))
-            return 1;
-    }
-    return 0;
 }
 
 static int resize_tallies(struct calx_sim *s)
@@ -292,8 +283,8 @@ int calx_neighbours_build(struct calx_sim *s, struct calx_error *e)
     failed = failed || lay_out(&r) || list_contributions(&r);
     if (!failed) {
         exchange(&r);
-        failed = calx_near_build(s, &r) || resize_tallies(s) || resize_network(s) ||
-                 calx_neighbours_scratch(s);
+        failed = calx_near_build(s, &r) || resize_tallies(s) || resize_network(s);
+        calx_neighbours_team(s);
     }
     clear(&r, lists);
     if (failed)

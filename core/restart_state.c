@@ -98,7 +98,7 @@ static void list_contacts(struct calx_sim *s, const struct scalars *n, size_t co
     add(l, "pair_i", &s->pairs.i, n->pair_count * sizeof *s->pairs.i);
     add(l, "pair_j", &s->pairs.j, n->pair_count * sizeof *s->pairs.j);
     add(l, "touching", &s->pairs.touching, n->pair_count);
-    add(l, "history", &s->pairs.history, n->pair_count * columns * sizeof(double));
+    add(l, "history", &s->pairs.history, n->pair_count * s->plan->history_stride * sizeof(double));
     add(l, "collect_to", &s->collect_to, n->collect_count * sizeof *s->collect_to);
     add(l, "collect_from", &s->collect_from, n->collect_count * sizeof *s->collect_from);
     if (!s->features.wall_contacts)
@@ -223,5 +223,6 @@ int calx_sim_restore(struct calx_sim *s, const struct calx_block *blocks, size_t
     }
     calx_measure_clear(&s->measure);
     s->walls_changed = true;
-    return calx_neighbours_scratch(s) ? calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory") : 0;
+    calx_neighbours_team(s);
+    return 0;
 }

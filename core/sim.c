@@ -13,11 +13,10 @@
 static int create_scratch(struct calx_sim *s, struct calx_error *e)
 {
     s->columns = calloc((size_t)s->threads, sizeof *s->columns);
-    s->selected = calloc((size_t)s->threads, sizeof *s->selected);
-    for (int t = 0; s->columns && s->selected && t < s->threads; t++)
+    for (int t = 0; s->columns && t < s->threads; t++)
         if (!(s->columns[t] = calx_memory_zeroed(1, sizeof **s->columns)))
             return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for threads");
-    return s->columns && s->selected ? 0 : calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for threads");
+    return s->columns ? 0 : calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for threads");
 }
 
 static int create_classes(struct calx_sim *s, struct calx_error *e)
@@ -99,14 +98,9 @@ struct calx_sim *calx_sim_create(const struct calx_scene *scene, struct calx_reg
 
 static void free_threads(struct calx_sim *s)
 {
-    for (int t = 0; t < s->threads; t++) {
-        if (s->columns)
-            free(s->columns[t]);
-        if (s->selected)
-            free(s->selected[t]);
-    }
+    for (int t = 0; s->columns && t < s->threads; t++)
+        free(s->columns[t]);
     free(s->columns);
-    free(s->selected);
 }
 
 void calx_sim_free(struct calx_sim *s)
@@ -209,7 +203,7 @@ struct calx_features calx_sim_features(const struct calx_sim *s)
     size_t count = calx_rows_arrays_list(s, &rows, views), per_row = 0;
     for (size_t k = 0; k < count; k++)
         per_row += views[k].bytes;
-    f.bytes = s->r.rows * per_row + s->pairs.count * (9 + 8 * s->plan->history) +
+    f.bytes = s->r.rows * per_row + s->pairs.count * (9 + 8 * s->plan->history_stride) +
               s->near_count * (24 + 16 * s->plan->history) + (s->r.rows - s->n) * 8 +
               s->primitive_count * sizeof(struct calx_posed) + network_bytes(s) +
               s->block_count * (sizeof(struct calx_row_block) + sizeof(struct calx_tally));

@@ -48,6 +48,7 @@ struct calx_plan {
     void *heat_params;
     uint32_t needs;           /* union of enum calx_need */
     size_t history;           /* columns */
+    size_t history_stride;    /* doubles per pair: columns rounded up to whole rows of four */
     uint8_t history_is_vector[CALX_HISTORY_MAX]; /* 1 at the first column of a vector */
     double gap;
     double dt;
@@ -123,7 +124,7 @@ struct calx_pairs {
     size_t count;
     int32_t *i, *j;      /* rows within the block */
     uint8_t *touching;   /* at the last evaluation */
-    double *history;     /* `history` columns per pair */
+    double *history;     /* history_stride doubles per pair */
 };
 
 struct calx_sim {
@@ -192,7 +193,6 @@ struct calx_sim {
 
     /* scratch, one per thread */
     struct calx_columns **columns;
-    uint32_t **selected;
 
     /* probes */
     uint8_t **classes;          /* per probe, by id; NULL if the probe has none */
@@ -243,7 +243,7 @@ int calx_particles_create(struct calx_sim *, struct calx_error *);
 
 /* neighbours.c: sort, lists, ghosts, blocks; keeps history. Fails if a body left the domain. */
 int calx_neighbours_build(struct calx_sim *, struct calx_error *);
-int calx_neighbours_scratch(struct calx_sim *); /* per-thread lists as long as the longest group; 0, or 1 without memory */
+void calx_neighbours_team(struct calx_sim *); /* how many threads have blocks to work on */
 bool calx_neighbours_stale(const struct calx_sim *);
 
 /* walls.c, surface.c */

@@ -123,9 +123,8 @@ static int change_models(struct calx_sim *s, const struct calx_plan *plan, struc
     memset(s->pairs.touching, 0, s->pairs.count);
     for (size_t b = 0; b < s->block_count; b++)
         s->blocks[b].wall_count = 0;
-    size_t columns = plan->history;
     free(s->pairs.history);
-    s->pairs.history = calx_memory_zeroed(s->pairs.count * columns, sizeof(double));
+    s->pairs.history = calx_memory_zeroed(s->pairs.count * plan->history_stride, sizeof(double));
     s->built = false;
     if (!s->pairs.history)
         return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for contact history");
