@@ -2,9 +2,10 @@
  *
  * The shape of a bed: slopes of a 2D heap's free surface, and its height.
  * Input: a frame. Output: degrees, metres.
- * Method: the surface is the highest point of the grains in columns of one mean diameter. From the highest column outwards
- * to the foot (the first column that holds no second layer: surface below one and a half mean diameters above the lowest
- * point), a straight line is fitted by least squares; grains that rolled away do not count.
+ * Method: the surface is the highest point of the grains in columns of one mean diameter. From the
+ * highest column outwards to the foot (the first column that holds no second layer: surface below
+ * one and a half mean diameters above the lowest point), a straight line is fitted by least
+ * squares; grains that rolled away do not count.
  */
 #include "core/heap.h"
 
@@ -49,7 +50,8 @@ static double fit(const struct surface *s, int side)
 {
     const double foot = s->base + 1.5 * s->width;
     double n = 0, x = 0, y = 0, xx = 0, xy = 0;
-    for (size_t c = s->top; c < s->columns && s->height[c] > foot; c += (size_t)side) { /* below 0 wraps: ends */
+    for (size_t c = s->top; c < s->columns && s->height[c] > foot;
+         c += (size_t)side) { /* below 0 wraps: ends */
         double d = n * s->width;
         x += d;
         y += s->height[c];
@@ -75,7 +77,8 @@ double calx_heap_height(const struct calx_frame *f, const double up[3])
 {
     double low = INFINITY, high = -INFINITY;
     for (size_t i = 0; i < f->n; ++i) {
-        double h = f->position[i][0] * up[0] + f->position[i][1] * up[1] + f->position[i][2] * up[2];
+        double h =
+            f->position[i][0] * up[0] + f->position[i][1] * up[1] + f->position[i][2] * up[2];
         low = fmin(low, h - f->radius[i]);
         high = fmax(high, h + f->radius[i]);
     }

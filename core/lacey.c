@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * The mixing index of Lacey (1954), M = (s0^2 - s^2)/(s0^2 - sr^2): 0 for grains apart, 1 on average at random.
- * Input: a frame and a class, 0 or 1, for each grain. Output: the index.
- * Method: cubic cells (squares in 2D) fixed in space, whatever the walls do. s^2 is the variance of the share of class 1
- * over the occupied cells, each weighted by its grains, so that a cell at the rim with two grains counts little.
- * With C cells and N grains, grains shuffled at random have exactly the mean sr^2 = p(1-p)(C-1)/(N-1).
+ * The mixing index of Lacey (1954), M = (s0^2 - s^2)/(s0^2 - sr^2): 0 for grains apart, 1 on
+ * average at random. Input: a frame and a class, 0 or 1, for each grain. Output: the index. Method:
+ * cubic cells (squares in 2D) fixed in space, whatever the walls do. s^2 is the variance of the
+ * share of class 1 over the occupied cells, each weighted by its grains, so that a cell at the rim
+ * with two grains counts little. With C cells and N grains, grains shuffled at random have exactly
+ * the mean sr^2 = p(1-p)(C-1)/(N-1).
  */
 #include "core/lacey.h"
 
@@ -14,7 +15,7 @@
 
 #include "core/measure.h"
 
-/* ---- the index ----------------------------------------------------------------------------------------- */
+/* ---- the index ---- */
 
 struct grain_cell {
     int64_t at[3];
@@ -30,7 +31,8 @@ static int order_cells(const void *a, const void *b)
     return 0;
 }
 
-/* The edge of a cell that holds 8 grains of mean radius at a packing of 0.8 (discs) or 0.6 (spheres). */
+/* The edge of a cell that holds 8 grains of mean radius at a packing of 0.8 (discs) or 0.6
+ * (spheres). */
 static double automatic_cell(const struct calx_frame *f)
 {
     const double grains = 8, area = 0.8, volume = 0.6;
@@ -38,10 +40,12 @@ static double automatic_cell(const struct calx_frame *f)
     for (size_t i = 0; i < f->n; ++i)
         sum += f->radius[i];
     double r = sum / (double)f->n;
-    return f->dimension == 2 ? r * sqrt(grains * M_PI / area) : r * cbrt(grains * 4.0 / 3.0 * M_PI / volume);
+    return f->dimension == 2 ? r * sqrt(grains * M_PI / area)
+                             : r * cbrt(grains * 4.0 / 3.0 * M_PI / volume);
 }
 
-static struct grain_cell *sort_into_cells(const struct calx_frame *f, const uint8_t *classes, double cell)
+static struct grain_cell *sort_into_cells(const struct calx_frame *f, const uint8_t *classes,
+                                          double cell)
 {
     struct grain_cell *grains = calloc(f->n, sizeof *grains);
     if (!grains)
@@ -58,7 +62,8 @@ static struct grain_cell *sort_into_cells(const struct calx_frame *f, const uint
 double calx_lacey_index(const struct calx_frame *f, const uint8_t *classes, double cell)
 {
     double n = (double)f->n, ones = 0, cells = 0, squares = 0;
-    struct grain_cell *grains = f->n > 1 ? sort_into_cells(f, classes, cell > 0 ? cell : automatic_cell(f)) : NULL;
+    struct grain_cell *grains =
+        f->n > 1 ? sort_into_cells(f, classes, cell > 0 ? cell : automatic_cell(f)) : NULL;
     if (!grains)
         return NAN;
     for (size_t i = 0; i < f->n; ++i)
@@ -77,7 +82,7 @@ double calx_lacey_index(const struct calx_frame *f, const uint8_t *classes, doub
     return apart > random ? (apart - squares / n) / (apart - random) : NAN;
 }
 
-/* ---- classes ------------------------------------------------------------------------------------------- */
+/* ---- classes ---- */
 
 static double start_height(const struct calx_frame *f, size_t i, const double up[3])
 {
@@ -146,7 +151,8 @@ static int order_doubles(const void *a, const void *b)
     return (p > q) - (p < q);
 }
 
-void calx_lacey_classes(const struct calx_frame *f, const char *name, const double up[3], uint8_t *classes)
+void calx_lacey_classes(const struct calx_frame *f, const char *name, const double up[3],
+                        uint8_t *classes)
 {
     size_t kind = find_kind(name), n = f->n;
     memset(classes, 0, n);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * The quantities that probes, expectations, stage conditions and the CSV may name.
- * Input: a frame (copy of the state in order of id) and the ledger of a simulation. Output: one double.
- * Method: the rows of core/measure_table.c; frame and ledger are made at the first use in a step and kept for the others.
+ * Input: a frame (copy of the state in order of id) and the ledger of a simulation. Output: one
+ * double. Method: the rows of core/measure_table.c; frame and ledger are made at the first use in a
+ * step and kept for the others.
  */
 #include "core/measure_table.h"
 
@@ -12,7 +13,7 @@
 
 #include "core/lacey.h"
 
-/* ---- cache -------------------------------------------------------------------------------------------- */
+/* ---- cache ---- */
 
 void calx_measure_clear(struct calx_measure_cache *cache)
 {
@@ -54,7 +55,7 @@ const struct calx_ledger *calx_measure_ledger(struct calx_sim *sim)
     return &cache->ledger;
 }
 
-/* ---- one value ----------------------------------------------------------------------------------------- */
+/* ---- one value ---- */
 
 /* The chosen component; the size of a vector if none is chosen. */
 static double component(const double value[3], int components, char which)
@@ -68,18 +69,37 @@ struct tally {
     double n, sum, min, max, spread; /* spread: sum of squares about the mean */
 };
 
-static double reduce_mean(const struct tally *t) { return t->sum / t->n; }
-static double reduce_min(const struct tally *t) { return t->min; }
-static double reduce_max(const struct tally *t) { return t->max; }
-static double reduce_sum(const struct tally *t) { return t->sum; }
-static double reduce_std(const struct tally *t) { return sqrt(t->spread / t->n); }
+static double reduce_mean(const struct tally *t)
+{
+    return t->sum / t->n;
+}
+static double reduce_min(const struct tally *t)
+{
+    return t->min;
+}
+static double reduce_max(const struct tally *t)
+{
+    return t->max;
+}
+static double reduce_sum(const struct tally *t)
+{
+    return t->sum;
+}
+static double reduce_std(const struct tally *t)
+{
+    return sqrt(t->spread / t->n);
+}
 
-static const struct { const char *name; double (*take)(const struct tally *); } reductions[] = {
-    {"mean", reduce_mean}, {"min", reduce_min}, {"max", reduce_max}, {"sum", reduce_sum}, {"std", reduce_std},
+static const struct {
+    const char *name;
+    double (*take)(const struct tally *);
+} reductions[] = {
+    {"mean", reduce_mean}, {"min", reduce_min}, {"max", reduce_max},
+    {"sum", reduce_sum},   {"std", reduce_std},
 };
 
-static bool particle_value(const struct calx_measure_row *row, const struct calx_frame *f, const struct calx_probe *p, size_t i,
-                           double *value)
+static bool particle_value(const struct calx_measure_row *row, const struct calx_frame *f,
+                           const struct calx_probe *p, size_t i, double *value)
 {
     double out[3] = {0, 0, 0};
     if (p->material >= 0 && (!f->material || f->material[i] != p->material))
@@ -91,7 +111,8 @@ static bool particle_value(const struct calx_measure_row *row, const struct calx
 }
 
 /* Two passes, so that the spread of hot grains (1e3 K) about their mean keeps its digits. */
-static struct tally tally_particles(const struct calx_measure_row *row, const struct calx_frame *f, const struct calx_probe *p)
+static struct tally tally_particles(const struct calx_measure_row *row, const struct calx_frame *f,
+                                    const struct calx_probe *p)
 {
     struct tally t = {0, 0, INFINITY, -INFINITY, 0};
     double value;
@@ -109,7 +130,8 @@ static struct tally tally_particles(const struct calx_measure_row *row, const st
     return t;
 }
 
-static double measure_particles(const struct calx_measure_row *row, const struct calx_measure_view *v)
+static double measure_particles(const struct calx_measure_row *row,
+                                const struct calx_measure_view *v)
 {
     const struct calx_frame *f = calx_measure_frame(v->sim);
     const struct calx_probe *p = v->probe;
@@ -117,7 +139,9 @@ static double measure_particles(const struct calx_measure_row *row, const struct
     if (!f)
         return NAN;
     if (p->particle >= 0)
-        return (size_t)p->particle < f->n && particle_value(row, f, p, (size_t)p->particle, &value) ? value : NAN;
+        return (size_t)p->particle < f->n && particle_value(row, f, p, (size_t)p->particle, &value)
+                   ? value
+                   : NAN;
     struct tally t = tally_particles(row, f, p);
     if (t.n == 0)
         return NAN;
@@ -141,7 +165,7 @@ double calx_sim_measure(struct calx_sim *sim, const struct calx_probe *probe)
     return row->whole(&v, out) ? component(out, row->measure.components, probe->component) : NAN;
 }
 
-/* ---- names ---------------------------------------------------------------------------------------------- */
+/* ---- names ---- */
 
 /* Equal but for '-' and '_'. */
 static bool same_name(const char *a, const char *b)
@@ -174,8 +198,9 @@ static int unknown_name(const struct calx_scene *scene, const char *of, struct c
         if (!calx_measure_at(i)->per_particle)
             names[n++] = calx_measure_at(i)->name;
     const char *nearest = calx_error_nearest(of, names, n);
-    int code = calx_error_set(error, CALX_ERROR_INPUT, "'%s' is no probe, column of the CSV or quantity%s%s%s", of,
-                          nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+    int code = calx_error_set(
+        error, CALX_ERROR_INPUT, "'%s' is no probe, column of the CSV or quantity%s%s%s", of,
+        nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
     free(names);
     return code;
 }
@@ -201,7 +226,7 @@ int calx_measure_resolve(const struct calx_scene *scene, const char *of, struct 
     return unknown_name(scene, of, error);
 }
 
-/* ---- classes ------------------------------------------------------------------------------------------- */
+/* ---- classes ---- */
 
 bool calx_measure_has_classes(const struct calx_probe *probe)
 {
@@ -218,7 +243,9 @@ void calx_measure_begin_stage(struct calx_sim *sim, int stage)
     calx_measure_up(sim, up);
     for (size_t i = 0; i < scene->probe_count; ++i) {
         const struct calx_probe *p = &scene->probes[i];
-        uint8_t *classes = calx_measure_has_classes(p) && p->stage == stage ? calx_sim_probe_classes(sim, i) : NULL;
+        uint8_t *classes = calx_measure_has_classes(p) && p->stage == stage
+                               ? calx_sim_probe_classes(sim, i)
+                               : NULL;
         const struct calx_frame *f = classes ? calx_measure_frame(sim) : NULL;
         if (f)
             calx_lacey_classes(f, p->classes, up, classes);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * The table of quantities: name, unit, sentence, and the function that reads it.
- * Input: a frame (copy of the state in order of id) and the ledger of a simulation. Output: up to three doubles.
- * A quantity is that of one particle, an entry of the ledger, or one of the whole scene.
+ * Input: a frame (copy of the state in order of id) and the ledger of a simulation. Output: up to
+ * three doubles. A quantity is that of one particle, an entry of the ledger, or one of the whole
+ * scene.
  */
 #include "core/measure_table.h"
 
@@ -12,7 +13,7 @@
 #include "core/heap.h"
 #include "core/lacey.h"
 
-/* ---- quantities of one particle ------------------------------------------------------------------------ */
+/* ---- quantities of one particle ---- */
 
 static bool copy3(const double (*rows)[3], size_t i, double out[3])
 {
@@ -35,22 +36,22 @@ double calx_measure_square(const double v[3])
 
 static bool position(const struct calx_frame *f, size_t i, double out[3])
 {
-    return copy3((const double (*)[3])f->position, i, out);
+    return copy3((const double(*)[3])f->position, i, out);
 }
 
 static bool velocity(const struct calx_frame *f, size_t i, double out[3])
 {
-    return copy3((const double (*)[3])f->velocity, i, out);
+    return copy3((const double(*)[3])f->velocity, i, out);
 }
 
 static bool spin(const struct calx_frame *f, size_t i, double out[3])
 {
-    return copy3((const double (*)[3])f->spin, i, out);
+    return copy3((const double(*)[3])f->spin, i, out);
 }
 
 static bool force(const struct calx_frame *f, size_t i, double out[3])
 {
-    return copy3((const double (*)[3])f->force, i, out);
+    return copy3((const double(*)[3])f->force, i, out);
 }
 
 static bool temperature(const struct calx_frame *f, size_t i, double out[3])
@@ -87,7 +88,7 @@ static bool coordination(const struct calx_frame *f, size_t i, double out[3])
     return f->contacts != NULL;
 }
 
-/* ---- quantities of the whole scene --------------------------------------------------------------------- */
+/* ---- quantities of the whole scene ---- */
 
 static bool time_now(const struct calx_measure_view *v, double out[3])
 {
@@ -164,7 +165,8 @@ static bool max_overlap_relative(const struct calx_measure_view *v, double out[3
     return largest_overlap(v, true, out);
 }
 
-/* The first cell of the probe's wall in the frame, or -1: every cell of a wall carries the values of the whole wall. */
+/* The first cell of the probe's wall in the frame, or -1: every cell of a wall carries the values
+ * of the whole wall. */
 static int64_t wall_cell(const struct calx_frame *f, int wall)
 {
     for (size_t c = 0; f && c < f->wall_cells; ++c)
@@ -177,7 +179,7 @@ static bool wall_force(const struct calx_measure_view *v, double out[3])
 {
     const struct calx_frame *f = calx_measure_frame(v->sim);
     int64_t c = wall_cell(f, v->probe->wall);
-    return c >= 0 && copy3((const double (*)[3])f->wall_force, (size_t)c, out);
+    return c >= 0 && copy3((const double(*)[3])f->wall_force, (size_t)c, out);
 }
 
 static bool wall_temperature(const struct calx_measure_view *v, double out[3])
@@ -245,12 +247,21 @@ static bool bed_height(const struct calx_measure_view *v, double out[3])
     return true;
 }
 
-/* ---- the table ----------------------------------------------------------------------------------------- */
+/* ---- the table ---- */
 
-#define PARTICLE(name, unit, components, get, doc) {{name, unit, doc, 1, components}, get, NULL, 0}
-#define WHOLE(name, unit, components, get, doc) {{name, unit, doc, 0, components}, NULL, get, 0}
-#define LEDGER(name, unit, field, doc) \
-    {{name, unit, doc, 0, 1}, NULL, NULL, 1 + offsetof(struct calx_ledger, field) / sizeof(double)}
+#define PARTICLE(name, unit, components, get, doc)                                                 \
+    {                                                                                              \
+        {name, unit, doc, 1, components}, get, NULL, 0                                             \
+    }
+#define WHOLE(name, unit, components, get, doc)                                                    \
+    {                                                                                              \
+        {name, unit, doc, 0, components}, NULL, get, 0                                             \
+    }
+#define LEDGER(name, unit, field, doc)                                                             \
+    {                                                                                              \
+        {name, unit, doc, 0, 1}, NULL, NULL,                                                       \
+            1 + offsetof(struct calx_ledger, field) / sizeof(double)                               \
+    }
 
 static const struct calx_measure_row rows[] = {
     PARTICLE("position", "m", 3, position, "centre of a particle"),
@@ -278,10 +289,14 @@ static const struct calx_measure_row rows[] = {
     WHOLE("heat-residual-relative", "1", 1, heat_residual_relative,
           "imbalance of heat over the largest heat that took part"),
     WHOLE("lacey-index", "1", 1, lacey_index,
-          "mixing of two classes of grains: 0 apart, 1 at random; cells fixed in space, automatically of about 8 grains"),
-    WHOLE("surface-slope-left", "degree", 1, slope_left, "slope of a 2D heap's surface left of its top"),
-    WHOLE("surface-slope-right", "degree", 1, slope_right, "slope of a 2D heap's surface right of its top"),
-    WHOLE("bed-height", "m", 1, bed_height, "from the lowest to the highest point of the grains, against gravity"),
+          "mixing of two classes of grains: 0 apart, 1 at random; cells fixed in space, "
+          "automatically of about 8 grains"),
+    WHOLE("surface-slope-left", "degree", 1, slope_left,
+          "slope of a 2D heap's surface left of its top"),
+    WHOLE("surface-slope-right", "degree", 1, slope_right,
+          "slope of a 2D heap's surface right of its top"),
+    WHOLE("bed-height", "m", 1, bed_height,
+          "from the lowest to the highest point of the grains, against gravity"),
     LEDGER("kinetic-energy", "J", kinetic, "kinetic energy"),
     LEDGER("rotational-energy", "J", rotational, "kinetic energy of rotation"),
     LEDGER("elastic-energy", "J", elastic, "energy stored in contacts"),
@@ -292,7 +307,8 @@ static const struct calx_measure_row rows[] = {
     LEDGER("residual", "J", residual, "imbalance of mechanical energy"),
     LEDGER("heat-content", "J", heat, "sum of mass, specific heat and temperature"),
     LEDGER("wall-heat", "J", wall_heat, "heat from the walls since the start"),
-    LEDGER("heat-of-dissipation", "J", heat_of_dissipation, "heat from dissipated work since the start"),
+    LEDGER("heat-of-dissipation", "J", heat_of_dissipation,
+           "heat from dissipated work since the start"),
     LEDGER("heat-residual", "J", heat_residual, "imbalance of heat"),
 };
 

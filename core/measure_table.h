@@ -13,8 +13,8 @@ struct calx_measure_view {
     const struct calx_probe *probe;
 };
 
-/* One quantity: exactly one of particle, whole and entry (1 + index of a double in the ledger) is set. The functions
- * return false if the quantity does not exist in the scene. */
+/* One quantity: exactly one of particle, whole and entry (1 + index of a double in the ledger) is
+ * set. The functions return false if the quantity does not exist in the scene. */
 struct calx_measure_row {
     struct calx_measure measure;
     bool (*particle)(const struct calx_frame *, size_t i, double out[3]);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * `calx schema`: prints the grammar of the case file, for editors.
- * Input: the tables of the case reader and of the plugins. Output: RELAX NG on stdout, or the reference in Markdown.
+ * Input: the tables of the case reader and of the plugins. Output: RELAX NG on stdout, or the
+ * reference in Markdown.
  */
 #include <stdio.h>
 
@@ -23,7 +24,8 @@ static int print_schema(const struct calx_arguments *a)
     calx_registry_free(registry);
     if (code == CALX_OK)
         return 0;
-    calx_error_set(&error, (enum calx_code)code, code == CALX_ERROR_MEMORY ? "out of memory" : "the schema cannot be written");
+    calx_error_set(&error, (enum calx_code)code,
+                   code == CALX_ERROR_MEMORY ? "out of memory" : "the schema cannot be written");
     return calx_options_report(&error);
 }
 
@@ -31,9 +33,15 @@ static int print_schema(const struct calx_arguments *a)
 static const struct calx_option *const used[OPTIONS] = {&calx_option_reference};
 
 const struct calx_command calx_command_schema = {
-    "schema", "[--reference]", "print the grammar of the case file (RELAX NG)",
+    "schema",
+    "[--reference]",
+    "print the grammar of the case file (RELAX NG)",
     "examples:\n"
     "  calx schema > calx.rng\n"
     "  xmllint --noout --relaxng calx.rng case.xml\n",
-    OPTIONS, used, 0, 0, print_schema,
+    OPTIONS,
+    used,
+    0,
+    0,
+    print_schema,
 };

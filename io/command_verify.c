@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * `calx verify`: runs cases without output and judges their expectations.
- * Input: cases. Output: a table of expected, got, error, tolerance, verdict; exit status 1 if anything failed, 2 if a
- * case cannot be read.
+ * Input: cases. Output: a table of expected, got, error, tolerance, verdict; exit status 1 if
+ * anything failed, 2 if a case cannot be read.
  */
 #include <stdio.h>
 
@@ -26,7 +26,10 @@ static void count_verdicts(struct score *score, const struct calx_run *run)
 static void verify_case(struct score *score, const char *path, const struct calx_arguments *a)
 {
     const struct calx_run_options options = {
-        .case_path = path, .threads = a->threads, .settings = a->settings, .setting_count = a->setting_count,
+        .case_path = path,
+        .threads = a->threads,
+        .settings = a->settings,
+        .setting_count = a->setting_count,
     };
     struct calx_run run;
     struct calx_error error;
@@ -54,8 +57,8 @@ static int verify_cases(const struct calx_arguments *a)
     calx_verify_print_header(stdout);
     for (size_t i = 0; i < a->operand_count; ++i)
         verify_case(&score, a->operands[i], a);
-    printf("%zu case%s: %zu expectations passed, %zu failed\n", score.cases, score.cases == 1 ? "" : "s", score.passed,
-           score.failed);
+    printf("%zu case%s: %zu expectations passed, %zu failed\n", score.cases,
+           score.cases == 1 ? "" : "s", score.passed, score.failed);
     return score.status;
 }
 
@@ -63,10 +66,17 @@ static int verify_cases(const struct calx_arguments *a)
 static const struct calx_option *const used[OPTIONS] = {&calx_option_set, &calx_option_threads};
 
 const struct calx_command calx_command_verify = {
-    "verify", "CASE... [options]", "run cases and compare with what they expect",
-    "Writes no files. An expectation is judged at the instants of the CSV, at its own time, or at the end.\n\n"
+    "verify",
+    "CASE... [options]",
+    "run cases and compare with what they expect",
+    "Writes no files. An expectation is judged at the instants of the CSV, at its own time, or at "
+    "the end.\n\n"
     "examples:\n"
     "  calx verify cases/04-two-spheres\n"
     "  calx verify cases/0*\n",
-    OPTIONS, used, 1, (size_t)-1, verify_cases,
+    OPTIONS,
+    used,
+    1,
+    (size_t)-1,
+    verify_cases,
 };

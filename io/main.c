@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * The program calx: picks the subcommand.
- * Input: argv. Output: the exit status: 0 right, 1 physics or expectation failed, 2 bad input or usage.
+ * Input: argv. Output: the exit status: 0 right, 1 physics or expectation failed, 2 bad input or
+ * usage.
  */
 #include <locale.h>
 #include <stdio.h>
@@ -11,7 +12,8 @@
 #include "io/commands.h"
 
 static const struct calx_command *const commands[] = {
-    &calx_command_run, &calx_command_check, &calx_command_verify, &calx_command_plugins, &calx_command_schema,
+    &calx_command_run,     &calx_command_check,  &calx_command_verify,
+    &calx_command_plugins, &calx_command_schema,
 };
 
 enum { COMMANDS = sizeof commands / sizeof commands[0], EXIT_USAGE = 2 };
@@ -21,14 +23,16 @@ static void print_help(FILE *file)
     fprintf(file, "calx " CALX_VERSION ": hot granular matter by the discrete element method\n\n"
                   "usage: calx COMMAND ...   (calx COMMAND --help says more)\n\n");
     for (size_t i = 0; i < COMMANDS; ++i)
-        fprintf(file, "  %-8s %-34s %s\n", commands[i]->name, commands[i]->operands, commands[i]->summary);
-    fprintf(file, "\n  --help     this text\n  --version  the version\n\n"
-                  "examples:\n"
-                  "  calx run cases/04-two-spheres\n"
-                  "  calx check cases/07-drum-with-flights\n"
-                  "  calx plugins linear\n\n"
-                  "quantities for probes and expectations: calx schema --reference\n"
-                  "exit status: 0 right, 1 physics or an expectation failed, 2 bad input or usage\n");
+        fprintf(file, "  %-8s %-34s %s\n", commands[i]->name, commands[i]->operands,
+                commands[i]->summary);
+    fprintf(file,
+            "\n  --help     this text\n  --version  the version\n\n"
+            "examples:\n"
+            "  calx run cases/04-two-spheres\n"
+            "  calx check cases/07-drum-with-flights\n"
+            "  calx plugins linear\n\n"
+            "quantities for probes and expectations: calx schema --reference\n"
+            "exit status: 0 right, 1 physics or an expectation failed, 2 bad input or usage\n");
 }
 
 static int unknown_command(const char *name)

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * Parses the command line from tables of options and prints their help.
- * Input: argv and a command's table. Output: struct calx_arguments, or an error that names the nearest option.
- * Method: `--name value`, `--name=value`, `--` ends the options; the rest are operands.
+ * Input: argv and a command's table. Output: struct calx_arguments, or an error that names the
+ * nearest option. Method: `--name value`, `--name=value`, `--` ends the options; the rest are
+ * operands.
  */
 #include "io/options.h"
 
@@ -12,13 +13,15 @@
 
 enum { MOST_THREADS = 1024, MOST_OPTIONS = 16 };
 
-/* ---- the options ---------------------------------------------------------------------------------------- */
+/* ---- the options ---- */
 
 static int set_setting(struct calx_arguments *a, const char *value, struct calx_error *error)
 {
     const char *equals = strchr(value, '=');
     if (!equals || equals == value)
-        return calx_error_set(error, CALX_ERROR_INPUT, "--set needs path=value, as in --set integrator/dt=1e-5, not '%s'", value);
+        return calx_error_set(error, CALX_ERROR_INPUT,
+                              "--set needs path=value, as in --set integrator/dt=1e-5, not '%s'",
+                              value);
     struct calx_setting *grown = realloc(a->settings, (a->setting_count + 1) * sizeof *grown);
     if (!grown)
         return calx_error_set(error, CALX_ERROR_MEMORY, "out of memory");
@@ -44,7 +47,8 @@ static int set_threads(struct calx_arguments *a, const char *value, struct calx_
     errno = 0;
     long n = strtol(value, &end, 10);
     if (errno || end == value || *end || n < 1 || n > MOST_THREADS)
-        return calx_error_set(error, CALX_ERROR_INPUT, "--threads needs a whole number from 1 to %d, not '%s'", MOST_THREADS,
+        return calx_error_set(error, CALX_ERROR_INPUT,
+                              "--threads needs a whole number from 1 to %d, not '%s'", MOST_THREADS,
                               value);
     a->threads = (int)n;
     return CALX_OK;
@@ -85,43 +89,56 @@ static int set_check(struct calx_arguments *a, const char *value, struct calx_er
     return CALX_OK;
 }
 
-const struct calx_option calx_option_set = {"--set", "path=value", "change an attribute of the case; may be repeated", set_setting};
+const struct calx_option calx_option_set = {
+    "--set", "path=value", "change an attribute of the case; may be repeated", set_setting};
 const struct calx_option calx_option_out = {"--out", "DIR", "folder for the output", set_out};
-const struct calx_option calx_option_threads = {"--threads", "N", "threads to use (all cores); the result is the same", set_threads};
-const struct calx_option calx_option_resume = {"--resume", NULL, "go on from the restart point in the output folder", set_resume};
-const struct calx_option calx_option_quiet = {"--quiet", NULL, "no progress and no summary", set_quiet};
-const struct calx_option calx_option_check = {"--check", "FILE.so", "run the conformance suite on that plugin", set_check};
-const struct calx_option calx_option_reference = {"--reference", NULL, "the reference for people (cases/FORMAT.md) instead", set_reference};
+const struct calx_option calx_option_threads = {
+    "--threads", "N", "threads to use (all cores); the result is the same", set_threads};
+const struct calx_option calx_option_resume = {
+    "--resume", NULL, "go on from the restart point in the output folder", set_resume};
+const struct calx_option calx_option_quiet = {"--quiet", NULL, "no progress and no summary",
+                                              set_quiet};
+const struct calx_option calx_option_check = {
+    "--check", "FILE.so", "run the conformance suite on that plugin", set_check};
+const struct calx_option calx_option_reference = {
+    "--reference", NULL, "the reference for people (cases/FORMAT.md) instead", set_reference};
 static const struct calx_option option_help = {"--help", NULL, "this text", set_help};
 
-/* ---- parsing -------------------------------------------------------------------------------------------- */
+/* ---- parsing ---- */
 
-static const struct calx_option *find_option(const struct calx_command *command, const char *name, size_t length)
+static const struct calx_option *find_option(const struct calx_command *command, const char *name,
+                                             size_t length)
 {
     for (size_t i = 0; i < command->option_count; ++i)
-        if (strlen(command->options[i]->name) == length && strncmp(command->options[i]->name, name, length) == 0)
+        if (strlen(command->options[i]->name) == length &&
+            strncmp(command->options[i]->name, name, length) == 0)
             return command->options[i];
-    bool help = (length == 6 && strncmp(name, "--help", length) == 0) || (length == 2 && strncmp(name, "-h", length) == 0);
+    bool help = (length == 6 && strncmp(name, "--help", length) == 0) ||
+                (length == 2 && strncmp(name, "-h", length) == 0);
     return help ? &option_help : NULL;
 }
 
-static int unknown_option(const struct calx_command *command, const char *name, struct calx_error *error)
+static int unknown_option(const struct calx_command *command, const char *name,
+                          struct calx_error *error)
 {
     const char *names[MOST_OPTIONS + 1] = {"--help"};
     size_t n = 1;
     for (size_t i = 0; i < command->option_count && n < MOST_OPTIONS; ++i)
         names[n++] = command->options[i]->name;
     const char *nearest = calx_error_nearest(name, names, n);
-    return calx_error_set(error, CALX_ERROR_INPUT, "calx %s has no option '%s'%s%s%s (see calx %s --help)", command->name, name,
-                          nearest ? "; did you mean " : "", nearest ? nearest : "", nearest ? "?" : "", command->name);
+    return calx_error_set(error, CALX_ERROR_INPUT,
+                          "calx %s has no option '%s'%s%s%s (see calx %s --help)", command->name,
+                          name, nearest ? "; did you mean " : "", nearest ? nearest : "",
+                          nearest ? "?" : "", command->name);
 }
 
 /* Reads the option at argv[*i]; *i moves on by one if its value is the next word. */
-static int parse_option(const struct calx_command *command, int argc, char **argv, int *i, struct calx_arguments *a,
-                        struct calx_error *error)
+static int parse_option(const struct calx_command *command, int argc, char **argv, int *i,
+                        struct calx_arguments *a, struct calx_error *error)
 {
     const char *word = argv[*i], *equals = strchr(word, '=');
-    const struct calx_option *option = find_option(command, word, equals ? (size_t)(equals - word) : strlen(word));
+    const struct calx_option *option =
+        find_option(command, word, equals ? (size_t)(equals - word) : strlen(word));
     if (!option)
         return unknown_option(command, word, error);
     if (!option->argument) {
@@ -132,22 +149,26 @@ static int parse_option(const struct calx_command *command, int argc, char **arg
     if (equals)
         return option->set(a, equals + 1, error);
     if (*i + 1 >= argc)
-        return calx_error_set(error, CALX_ERROR_INPUT, "%s needs a value: %s %s", option->name, option->name, option->argument);
+        return calx_error_set(error, CALX_ERROR_INPUT, "%s needs a value: %s %s", option->name,
+                              option->name, option->argument);
     return option->set(a, argv[++*i], error);
 }
 
-static int check_operands(const struct calx_command *command, const struct calx_arguments *a, struct calx_error *error)
+static int check_operands(const struct calx_command *command, const struct calx_arguments *a,
+                          struct calx_error *error)
 {
     if (a->help || (a->operand_count >= command->least && a->operand_count <= command->most))
         return CALX_OK;
     if (a->operand_count < command->least)
-        return calx_error_set(error, CALX_ERROR_INPUT, "missing operand; usage: calx %s %s", command->name, command->operands);
-    return calx_error_set(error, CALX_ERROR_INPUT, "'%s' is one operand too many; usage: calx %s %s",
+        return calx_error_set(error, CALX_ERROR_INPUT, "missing operand; usage: calx %s %s",
+                              command->name, command->operands);
+    return calx_error_set(error, CALX_ERROR_INPUT,
+                          "'%s' is one operand too many; usage: calx %s %s",
                           a->operands[command->most], command->name, command->operands);
 }
 
-int calx_options_parse(const struct calx_command *command, int argc, char **argv, struct calx_arguments *a,
-                       struct calx_error *error)
+int calx_options_parse(const struct calx_command *command, int argc, char **argv,
+                       struct calx_arguments *a, struct calx_error *error)
 {
     *a = (struct calx_arguments){0};
     a->operands = calloc((size_t)argc + 1, sizeof *a->operands);
@@ -183,7 +204,7 @@ int calx_options_report(const struct calx_error *error)
     return calx_error_exit(error->code);
 }
 
-/* ---- help ------------------------------------------------------------------------------------------------ */
+/* ---- help ---- */
 
 static void print_option(const struct calx_option *option, FILE *file)
 {

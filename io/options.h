@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * The command line as data: each subcommand has a table of its options, from which it is parsed and its help printed.
+ * The command line as data: each subcommand has a table of its options, from which it is parsed and
+ * its help printed.
  */
 #ifndef CALX_IO_OPTIONS_H
 #define CALX_IO_OPTIONS_H
@@ -33,17 +34,18 @@ struct calx_command {
     const char *name, *operands, *summary, *details; /* details: examples */
     size_t option_count;
     const struct calx_option *const *options;
-    size_t least, most; /* operands */
+    size_t least, most;                        /* operands */
     int (*run)(const struct calx_arguments *); /* returns the exit status */
 };
 
 /* The options that commands share. */
-extern const struct calx_option calx_option_set, calx_option_out, calx_option_threads, calx_option_resume,
-    calx_option_quiet, calx_option_check, calx_option_reference;
+extern const struct calx_option calx_option_set, calx_option_out, calx_option_threads,
+    calx_option_resume, calx_option_quiet, calx_option_check, calx_option_reference;
 
-/* Fills *arguments from argv[1..]. CALX_ERROR_INPUT for what the command does not know, with the nearest name. The caller
- * clears *arguments in any case. */
-int calx_options_parse(const struct calx_command *, int argc, char **argv, struct calx_arguments *, struct calx_error *);
+/* Fills *arguments from argv[1..]. CALX_ERROR_INPUT for what the command does not know, with the
+ * nearest name. The caller clears *arguments in any case. */
+int calx_options_parse(const struct calx_command *, int argc, char **argv, struct calx_arguments *,
+                       struct calx_error *);
 void calx_options_clear(struct calx_arguments *);
 
 /* Prints the error with its place on stderr; returns the exit status for it. */

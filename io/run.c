@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * One run of one case: steps it and writes what is due.
- * Input: an opened run. Output: NAME.pvd and its frames, NAME.csv, NAME.restart, verdicts on the expectations.
- * Method: an output is due at the first step whose time reaches a multiple of its interval, at the end of a stage, and at the end.
- * This needs no memory but the time before the step, so that a resumed run writes what a straight one writes. A
- * frame is written before its row, the row before the restart point: whatever comes after the restart point is redone.
+ * Input: an opened run. Output: NAME.pvd and its frames, NAME.csv, NAME.restart, verdicts on the
+ * expectations. Method: an output is due at the first step whose time reaches a multiple of its
+ * interval, at the end of a stage, and at the end. This needs no memory but the time before the
+ * step, so that a resumed run writes what a straight one writes. A frame is written before its row,
+ * the row before the restart point: whatever comes after the restart point is redone.
  */
 #include "io/run.h"
 
@@ -22,7 +23,7 @@ static int out_of_memory(struct calx_error *error)
     return calx_error_set(error, CALX_ERROR_MEMORY, "out of memory");
 }
 
-/* ---- restart points --------------------------------------------------------------------------------------- */
+/* ---- restart points ---- */
 
 struct schedule {
     double frame, row;
@@ -46,13 +47,15 @@ static int write_restart(struct calx_run *run, struct calx_error *error)
     return code;
 }
 
-static int take_restart(struct calx_run *run, const struct calx_restart *restart, struct calx_error *error)
+static int take_restart(struct calx_run *run, const struct calx_restart *restart,
+                        struct calx_error *error)
 {
     struct schedule schedule;
     const struct calx_block *expectations = calx_restart_find(restart, "expectations");
     const struct calx_block *times = calx_restart_find(restart, "schedule");
     if (!expectations || !times || times->bytes != sizeof schedule || restart->count < 2)
-        return calx_error_set(error, CALX_ERROR_INPUT, "%s lacks the times of the output", run->restart_path);
+        return calx_error_set(error, CALX_ERROR_INPUT, "%s lacks the times of the output",
+                              run->restart_path);
     memcpy(&schedule, times->data, sizeof schedule);
     run->scheduled_frame = schedule.frame;
     run->scheduled_row = schedule.row;
@@ -60,14 +63,16 @@ static int take_restart(struct calx_run *run, const struct calx_restart *restart
     return calx_sim_restore(run->sim, restart->blocks, restart->count - 2, error);
 }
 
-/* Takes up the restart point. Without one (stopped before the first frame) the run begins anew: *resumed stays false. */
+/* Takes up the restart point. Without one (stopped before the first frame) the run begins anew:
+ * *resumed stays false. */
 static int resume(struct calx_run *run, bool *resumed, struct calx_error *error)
 {
     char backup[4096];
     struct calx_restart restart = {0};
     snprintf(backup, sizeof backup, "%s.bak", run->restart_path);
     if (access(run->restart_path, F_OK) != 0 && access(backup, F_OK) != 0) {
-        calx_terminal_say(&run->terminal, "no restart point %s: starting from the beginning", run->restart_path);
+        calx_terminal_say(&run->terminal, "no restart point %s: starting from the beginning",
+                          run->restart_path);
         return CALX_OK;
     }
     CALX_TRY(calx_restart_read(run->restart_path, run->case_hash, &restart, error));
@@ -77,9 +82,10 @@ static int resume(struct calx_run *run, bool *resumed, struct calx_error *error)
     return code;
 }
 
-/* ---- records ---------------------------------------------------------------------------------------------- */
+/* ---- records ---- */
 
-/* What an earlier run left must not be taken for this one's, should this one be killed before its first frame. */
+/* What an earlier run left must not be taken for this one's, should this one be killed before its
+ * first frame. */
 static void remove_leftovers(const struct calx_run *run)
 {
     char path[4096];
@@ -97,16 +103,19 @@ static int open_output(struct calx_run *run, bool resumed, struct calx_error *er
     const struct calx_output *output = &run->scene->output;
     if (!resumed)
         remove_leftovers(run);
-    run->series = resumed ? calx_series_resume(run->folder, run->name, output, run->scheduled_frame, error)
-                          : calx_series_create(run->folder, run->name, output, error);
+    run->series =
+        resumed ? calx_series_resume(run->folder, run->name, output, run->scheduled_frame, error)
+                : calx_series_create(run->folder, run->name, output, error);
     int length = columns ? asprintf(&path, "%s/%s.csv", run->folder, run->name) : -1;
     for (size_t i = 0; columns && i < run->column_count; ++i)
-        columns[i] = (struct calx_table_column){run->columns[i]->name, calx_measure_find(run->columns[i]->quantity)->unit};
+        columns[i] = (struct calx_table_column){run->columns[i]->name,
+                                                calx_measure_find(run->columns[i]->quantity)->unit};
     if (length < 0)
         calx_error_set(error, CALX_ERROR_MEMORY, "out of memory");
     else if (run->series)
-        run->table = resumed ? calx_table_resume(path, columns, run->column_count, run->scheduled_row, error)
-                             : calx_table_create(path, columns, run->column_count, error);
+        run->table =
+            resumed ? calx_table_resume(path, columns, run->column_count, run->scheduled_row, error)
+                    : calx_table_create(path, columns, run->column_count, error);
     if (length >= 0)
         free(path);
     free(columns);
@@ -134,7 +143,8 @@ static int write_row(struct calx_run *run, struct calx_error *error)
 
 enum due { FRAME = 1, ROW = 2, JUDGE = 4, SCHEDULED = 8 };
 
-/* Whether a multiple of `every` lies in the step; the slack forgives the rounding of summed steps. */
+/* Whether a multiple of `every` lies in the step; the slack forgives the rounding of summed steps.
+ */
 static bool multiple_in(double every, double before, double now)
 {
     double slack = 0.5e-6 * (now - before);
@@ -151,7 +161,8 @@ static unsigned what_is_due(const struct calx_run *run, double before, int stage
     return (frame ? FRAME : 0) | (row ? ROW : 0) | (judge ? JUDGE : 0) | SCHEDULED;
 }
 
-static int record(struct calx_run *run, unsigned due, double before, int stage, struct calx_error *error)
+static int record(struct calx_run *run, unsigned due, double before, int stage,
+                  struct calx_error *error)
 {
     double now = calx_sim_time(run->sim);
     if ((due & FRAME) && run->series)
@@ -167,7 +178,7 @@ static int record(struct calx_run *run, unsigned due, double before, int stage, 
     return (due & FRAME) && run->series ? write_restart(run, error) : CALX_OK;
 }
 
-/* ---- the run ---------------------------------------------------------------------------------------------- */
+/* ---- the run ---- */
 
 /* Keeps the broken state to look at, and says what is left of the run. */
 static int fail(struct calx_run *run, struct calx_error *error)
@@ -178,21 +189,24 @@ static int fail(struct calx_run *run, struct calx_error *error)
     struct calx_error second;
     struct calx_frame *frame = calx_frame_create(run->sim, false);
     snprintf(path, sizeof path, "%s/%s_failed.vtu", run->folder, run->name);
-    bool kept = frame && calx_vtk_write(path, CALX_VTK_PARTICLES, frame, &run->scene->output, &second) == CALX_OK;
+    bool kept = frame && calx_vtk_write(path, CALX_VTK_PARTICLES, frame, &run->scene->output,
+                                        &second) == CALX_OK;
     calx_frame_free(frame);
     size_t used = strlen(error->text);
-    snprintf(error->text + used, sizeof error->text - used, "\nkept: frames and restart point up to t = %.6g s in %s%s%s",
-             run->scheduled_frame, run->folder, kept ? "; the state that failed: " : "", kept ? path : "");
+    snprintf(error->text + used, sizeof error->text - used,
+             "\nkept: frames and restart point up to t = %.6g s in %s%s%s", run->scheduled_frame,
+             run->folder, kept ? "; the state that failed: " : "", kept ? path : "");
     return CALX_ERROR_PHYSICS;
 }
 
 static void announce_stage(struct calx_run *run)
 {
     int stage = calx_sim_stage(run->sim);
-    if (calx_sim_stage_began(run->sim) && !calx_sim_done(run->sim) && (size_t)stage < run->scene->stage_count)
+    if (calx_sim_stage_began(run->sim) && !calx_sim_done(run->sim) &&
+        (size_t)stage < run->scene->stage_count)
         calx_terminal_say(&run->terminal, "stage %d%s%s begins at t = %.6g s", stage + 1,
-                          run->scene->stages[stage].name[0] ? " " : "", run->scene->stages[stage].name,
-                          calx_sim_time(run->sim));
+                          run->scene->stages[stage].name[0] ? " " : "",
+                          run->scene->stages[stage].name, calx_sim_time(run->sim));
 }
 
 static bool asked_to_stop(const struct calx_run *run)
@@ -226,11 +240,12 @@ static void announce_run(struct calx_run *run, bool resumed)
 {
     const char *title = run->scene->title;
     if (resumed)
-        calx_terminal_say(&run->terminal, "resumed at t = %.6g s, step %lld", calx_sim_time(run->sim),
-                          (long long)run->first_step);
+        calx_terminal_say(&run->terminal, "resumed at t = %.6g s, step %lld",
+                          calx_sim_time(run->sim), (long long)run->first_step);
     else
-        calx_terminal_say(&run->terminal, "%s: %zu particles, step %.3g s", title && *title ? title : run->name,
-                          calx_sim_particle_count(run->sim), calx_sim_dt(run->sim));
+        calx_terminal_say(&run->terminal, "%s: %zu particles, step %.3g s",
+                          title && *title ? title : run->name, calx_sim_particle_count(run->sim),
+                          calx_sim_dt(run->sim));
 }
 
 int calx_run_go(struct calx_run *run, struct calx_error *error)
@@ -246,7 +261,8 @@ int calx_run_go(struct calx_run *run, struct calx_error *error)
     run->first_step = calx_sim_step_count(run->sim);
     announce_run(run, resumed);
     if (!resumed)
-        CALX_TRY(record(run, FRAME | ROW | JUDGE | SCHEDULED, calx_sim_time(run->sim), calx_sim_stage(run->sim), error));
+        CALX_TRY(record(run, FRAME | ROW | JUDGE | SCHEDULED, calx_sim_time(run->sim),
+                        calx_sim_stage(run->sim), error));
     int code = step_to_the_end(run, error);
     calx_terminal_end(&run->terminal, run->sim);
     return code;
@@ -260,8 +276,8 @@ void calx_run_print_summary(const struct calx_run *run, FILE *file)
     double particle_steps = steps * (double)calx_sim_particle_count(run->sim);
     struct calx_features features = calx_sim_features(run->sim);
     struct calx_ledger l = calx_sim_ledger(run->sim);
-    fprintf(file, "%s: t = %.9g s, %.0f steps in %s, %s particle-steps/s\n", run->name, calx_sim_time(run->sim), steps,
-            calx_terminal_duration(wall, text[0], sizeof text[0]),
+    fprintf(file, "%s: t = %.9g s, %.0f steps in %s, %s particle-steps/s\n", run->name,
+            calx_sim_time(run->sim), steps, calx_terminal_duration(wall, text[0], sizeof text[0]),
             calx_terminal_number(wall > 0 ? particle_steps / wall : 0, text[1], sizeof text[1]));
     if (features.ledger)
         fprintf(file, "energy balance: residual %.3e J, %.2e of the largest energy\n", l.residual,
@@ -272,6 +288,6 @@ void calx_run_print_summary(const struct calx_run *run, FILE *file)
     fprintf(file, "warnings: %zu\nstate hash: %016llx\n", run->problems.warning_count,
             (unsigned long long)calx_sim_hash(run->sim));
     if (run->series)
-        fprintf(file, "files in %s: %zu frames, %s.csv (%zu rows), %s.restart\n", run->folder, run->frames, run->name,
-                run->rows, run->name);
+        fprintf(file, "files in %s: %zu frames, %s.csv (%zu rows), %s.restart\n", run->folder,
+                run->frames, run->name, run->rows, run->name);
 }

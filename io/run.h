@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * One run of one case: joins the engine with its output. The subcommands of the program are built from it.
+ * One run of one case: joins the engine with its output. The subcommands of the program are built
+ * from it.
  */
 #ifndef CALX_IO_RUN_H
 #define CALX_IO_RUN_H
@@ -19,8 +20,8 @@ struct calx_run_options {
     const char *out;       /* folder; NULL: results/NAME */
     bool files;            /* write output */
     bool resume;
-    int threads;           /* 0: all cores */
-    FILE *progress;        /* NULL: silent */
+    int threads;    /* 0: all cores */
+    FILE *progress; /* NULL: silent */
     const struct calx_setting *settings;
     size_t setting_count;
     const volatile sig_atomic_t *stop; /* becomes not 0 when the run shall stop; may be NULL */
@@ -38,24 +39,27 @@ struct calx_run {
     struct calx_terminal terminal;
     struct calx_series *series;
     struct calx_table *table;
-    size_t column_count;               /* of the CSV: standard columns, then the probes of the scene */
+    size_t column_count; /* of the CSV: standard columns, then the probes of the scene */
     const struct calx_probe **columns;
     struct calx_probe *standard;
     double *row;
     uint64_t case_hash;
-    double scheduled_frame, scheduled_row; /* s: last frame and row that were due, not forced by an interruption */
-    double began;                          /* s of the clock */
+    double scheduled_frame,
+        scheduled_row; /* s: last frame and row that were due, not forced by an interruption */
+    double began;      /* s of the clock */
     int64_t first_step;
-    size_t rows, frames;                   /* written in this run */
+    size_t rows, frames; /* written in this run */
     bool interrupted;
 };
 
-/* Reads the case and makes the simulation; all mistakes of the case go to `messages`. The run is to be closed in any case.
- * CALX_ERROR_INPUT, or what the engine says. */
-int calx_run_open(struct calx_run *, const struct calx_run_options *, FILE *messages, struct calx_error *);
+/* Reads the case and makes the simulation; all mistakes of the case go to `messages`. The run is to
+ * be closed in any case. CALX_ERROR_INPUT, or what the engine says. */
+int calx_run_open(struct calx_run *, const struct calx_run_options *, FILE *messages,
+                  struct calx_error *);
 
-/* Runs to the end or until stopped, writing frames, records and restart points. CALX_ERROR_PHYSICS: the frames and the
- * restart point from before are kept and the broken state is in NAME_failed.vtu; CALX_ERROR_IO, CALX_ERROR_MEMORY. */
+/* Runs to the end or until stopped, writing frames, records and restart points. CALX_ERROR_PHYSICS:
+ * the frames and the restart point from before are kept and the broken state is in NAME_failed.vtu;
+ * CALX_ERROR_IO, CALX_ERROR_MEMORY. */
 int calx_run_go(struct calx_run *, struct calx_error *);
 
 /* Wall time, speed, balance, files, state hash. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Opens a run: finds and reads its case, names its output, makes the simulation and chooses the columns of the CSV.
- * Input: the options. Output: struct calx_run, ready to go.
+ * Opens a run: finds and reads its case, names its output, makes the simulation and chooses the
+ * columns of the CSV. Input: the options. Output: struct calx_run, ready to go.
  */
 #include "io/run.h"
 
@@ -121,7 +121,8 @@ static uint64_t hash_values(uint64_t hash, const struct calx_value *values, size
     return hash;
 }
 
-/* What a restart point depends on: bodies, materials and models. Stages and output may be changed to go on longer. */
+/* What a restart point depends on: bodies, materials and models. Stages and output may be changed
+ * to go on longer. */
 static uint64_t hash_case(const struct calx_scene *s)
 {
     const struct calx_particles *p = &s->particles;
@@ -150,7 +151,8 @@ static int read_case(struct calx_run *run, FILE *messages, struct calx_error *er
     run->registry = calx_registry_create(NULL);
     if (!run->registry)
         return out_of_memory(error);
-    run->scene = calx_case_read(run->file, run->registry, o->settings, o->setting_count, &run->problems);
+    run->scene =
+        calx_case_read(run->file, run->registry, o->settings, o->setting_count, &run->problems);
     calx_problems_print(&run->problems, messages);
     if (!run->scene)
         return calx_error_set(error, CALX_ERROR_INPUT, "%zu mistake%s in %s", run->problems.count,
@@ -158,9 +160,11 @@ static int read_case(struct calx_run *run, FILE *messages, struct calx_error *er
     return CALX_OK;
 }
 
-int calx_run_open(struct calx_run *run, const struct calx_run_options *options, FILE *messages, struct calx_error *error)
+int calx_run_open(struct calx_run *run, const struct calx_run_options *options, FILE *messages,
+                  struct calx_error *error)
 {
-    *run = (struct calx_run){.options = *options, .scheduled_frame = -INFINITY, .scheduled_row = -INFINITY};
+    *run = (struct calx_run){
+        .options = *options, .scheduled_frame = -INFINITY, .scheduled_row = -INFINITY};
     CALX_TRY(find_case(run, error));
     CALX_TRY(name_output(run, error));
     CALX_TRY(read_case(run, messages, error));

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * Shows the progress of a run on stderr.
- * Input: the simulation after each step. Output: a bar with simulated time, speed, time left, contacts and temperatures.
- * Method: the clock is read every step (tens of nanoseconds); what costs more is done only when it draws. The
- * line is cut to the width of the terminal, the least important part first.
+ * Input: the simulation after each step. Output: a bar with simulated time, speed, time left,
+ * contacts and temperatures. Method: the clock is read every step (tens of nanoseconds); what costs
+ * more is done only when it draws. The line is cut to the width of the terminal, the least
+ * important part first.
  */
 #include "io/terminal.h"
 
@@ -73,7 +74,7 @@ void calx_terminal_begin(struct calx_terminal *t, FILE *file, const struct calx_
     t->begin_step = t->last_step = calx_sim_step_count(sim);
 }
 
-/* ---- the line ------------------------------------------------------------------------------------------- */
+/* ---- the line ---- */
 
 static double share_done(const struct calx_sim *sim)
 {
@@ -84,8 +85,8 @@ static double share_done(const struct calx_sim *sim)
 }
 
 /* Appends to the line if it fits into `width`; what comes later is less important. */
-__attribute__((format(printf, 3, 4)))
-static void append(char *line, int width, const char *format, ...)
+__attribute__((format(printf, 3, 4))) static void append(char *line, int width, const char *format,
+                                                         ...)
 {
     char part[MOST_LINE];
     va_list list;
@@ -98,10 +99,12 @@ static void append(char *line, int width, const char *format, ...)
 
 static void append_temperatures(char *line, int width, struct calx_sim *sim)
 {
-    struct calx_probe low = {.quantity = "temperature", .particle = -1, .material = -1, .wall = -1, .reduce = "min"};
+    struct calx_probe low = {
+        .quantity = "temperature", .particle = -1, .material = -1, .wall = -1, .reduce = "min"};
     struct calx_probe high = low;
     strcpy(high.reduce, "max");
-    append(line, width, "  %.4g..%.4g K", calx_sim_measure(sim, &low), calx_sim_measure(sim, &high));
+    append(line, width, "  %.4g..%.4g K", calx_sim_measure(sim, &low),
+           calx_sim_measure(sim, &high));
 }
 
 static void compose(const struct calx_terminal *t, struct calx_sim *sim, char *line, int width)
@@ -109,14 +112,16 @@ static void compose(const struct calx_terminal *t, struct calx_sim *sim, char *l
     char number[32];
     double end = calx_sim_end(sim), steps = t->steps_per_second;
     *line = '\0';
-    append(line, width, isfinite(end) ? " %3.0f%%  t %.4g/%.4g s" : " %3.0f%%  t %.4g s", 100 * share_done(sim),
-           calx_sim_time(sim), end);
+    append(line, width, isfinite(end) ? " %3.0f%%  t %.4g/%.4g s" : " %3.0f%%  t %.4g s",
+           100 * share_done(sim), calx_sim_time(sim), end);
     if (isfinite(end) && t->time_per_second > 0 && !calx_sim_done(sim))
         append(line, width, "  %s left",
-               calx_terminal_duration((end - calx_sim_time(sim)) / t->time_per_second, number, sizeof number));
+               calx_terminal_duration((end - calx_sim_time(sim)) / t->time_per_second, number,
+                                      sizeof number));
     append(line, width, "  %s steps/s", calx_terminal_number(steps, number, sizeof number));
-    append(line, width, "  %s particle-steps/s",
-           calx_terminal_number(steps * (double)calx_sim_particle_count(sim), number, sizeof number));
+    append(
+        line, width, "  %s particle-steps/s",
+        calx_terminal_number(steps * (double)calx_sim_particle_count(sim), number, sizeof number));
     append(line, width, "  %zu contacts", calx_sim_contact_count(sim));
     if (t->hot)
         append_temperatures(line, width, sim);
@@ -140,7 +145,7 @@ static void draw(struct calx_terminal *t, struct calx_sim *sim)
     t->drawn = t->live;
 }
 
-/* ---- progress ------------------------------------------------------------------------------------------- */
+/* ---- progress ---- */
 
 /* Speeds since the last drawing, smoothed so that the time left does not jump. */
 static void measure_speed(struct calx_terminal *t, const struct calx_sim *sim, double now)

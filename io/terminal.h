@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Progress of a run: a bar that is redrawn on a terminal, a line now and then on a pipe or into a file.
+ * Progress of a run: a bar that is redrawn on a terminal, a line now and then on a pipe or into a
+ * file.
  */
 #ifndef CALX_IO_TERMINAL_H
 #define CALX_IO_TERMINAL_H
@@ -10,12 +11,12 @@
 #include "core/calx.h"
 
 struct calx_terminal {
-    FILE *file; /* NULL: silent */
-    bool live;  /* a terminal: the bar is redrawn */
-    bool drawn; /* a bar stands on the last line */
-    bool hot;   /* there are temperatures to show */
-    double begin, last, interval; /* s of the clock */
-    double begin_time, last_time; /* s of the simulation */
+    FILE *file;                               /* NULL: silent */
+    bool live;                                /* a terminal: the bar is redrawn */
+    bool drawn;                               /* a bar stands on the last line */
+    bool hot;                                 /* there are temperatures to show */
+    double begin, last, interval;             /* s of the clock */
+    double begin_time, last_time;             /* s of the simulation */
     double steps_per_second, time_per_second; /* smoothed */
     int64_t begin_step, last_step;
 };
@@ -27,7 +28,8 @@ void calx_terminal_begin(struct calx_terminal *, FILE *file, const struct calx_s
 void calx_terminal_update(struct calx_terminal *, struct calx_sim *);
 
 /* Prints a line of its own, above the bar. */
-void calx_terminal_say(struct calx_terminal *, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void calx_terminal_say(struct calx_terminal *, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
 
 /* Draws a last time and leaves the line. */
 void calx_terminal_end(struct calx_terminal *, struct calx_sim *);

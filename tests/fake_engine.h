@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * An engine without physics, for tests of what looks at a simulation: its state is what the test writes into it. Included by
- * one test file each, in place of the engine.
+ * An engine without physics, for tests of what looks at a simulation: its state is what the test
+ * writes into it. Included by one test file each, in place of the engine.
  */
 #ifndef CALX_TESTS_FAKE_ENGINE_H
 #define CALX_TESTS_FAKE_ENGINE_H

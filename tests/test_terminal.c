@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Numbers and durations as the progress shows them; silence when it has no file. The bar itself is tested with the program.
+ * Numbers and durations as the progress shows them; silence when it has no file. The bar itself is
+ * tested with the program.
  */
 #include <check.h>
 #include <math.h>
@@ -8,9 +9,13 @@
 
 #include "io/terminal.h"
 
-static const struct { double number; const char *text; } numbers[] = {
-    {NAN, "nan"}, {INFINITY, "infT"}, {-1500, "-1.5k"}, {0, "0"}, {1, "1"}, {0.25, "0.25"}, {999, "999"}, {999.6, "1k"},
-    {12345, "12.3k"}, {1e6, "1M"}, {2.61e9, "2.61G"}, {3e12, "3T"}, {5e15, "5e+03T"},
+static const struct {
+    double number;
+    const char *text;
+} numbers[] = {
+    {NAN, "nan"},      {INFINITY, "infT"}, {-1500, "-1.5k"}, {0, "0"},         {1, "1"},
+    {0.25, "0.25"},    {999, "999"},       {999.6, "1k"},    {12345, "12.3k"}, {1e6, "1M"},
+    {2.61e9, "2.61G"}, {3e12, "3T"},       {5e15, "5e+03T"},
 };
 
 START_TEST(a_number_is_short)
@@ -20,15 +25,21 @@ START_TEST(a_number_is_short)
 }
 END_TEST
 
-static const struct { double seconds; const char *text; } durations[] = {
-    {NAN, "long"}, {INFINITY, "long"}, {1e9, "long"}, {0, "0 s"}, {0.123, "0.12 s"}, {9.4, "9.4 s"}, {12, "12 s"},
-    {59.4, "59 s"}, {59.6, "1:00"}, {187, "3:07"}, {3599.7, "1:00:00"}, {3753, "1:02:33"}, {360000, "100:00:00"},
+static const struct {
+    double seconds;
+    const char *text;
+} durations[] = {
+    {NAN, "long"},         {INFINITY, "long"}, {1e9, "long"},       {0, "0 s"},
+    {0.123, "0.12 s"},     {9.4, "9.4 s"},     {12, "12 s"},        {59.4, "59 s"},
+    {59.6, "1:00"},        {187, "3:07"},      {3599.7, "1:00:00"}, {3753, "1:02:33"},
+    {360000, "100:00:00"},
 };
 
 START_TEST(a_duration_reads_as_a_clock)
 {
     char text[32];
-    ck_assert_str_eq(calx_terminal_duration(durations[_i].seconds, text, sizeof text), durations[_i].text);
+    ck_assert_str_eq(calx_terminal_duration(durations[_i].seconds, text, sizeof text),
+                     durations[_i].text);
 }
 END_TEST
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Expectations: each kind against a short history of states given by hand, with what must pass and what must fail; the same
- * verdicts after a stop and restore in the middle.
+ * Expectations: each kind against a short history of states given by hand, with what must pass and
+ * what must fail; the same verdicts after a stop and restore in the middle.
  */
 #include <check.h>
 #include <math.h>
@@ -10,7 +10,8 @@
 #include "io/verify.h"
 #include "tests/fake_engine.h"
 
-/* The history: at each state the time, the kinetic energy, and the stage that its step belonged to and the one it led to. */
+/* The history: at each state the time, the kinetic energy, and the stage that its step belonged to
+ * and the one it led to. */
 static const struct {
     double time, value;
     int from, to;
@@ -26,8 +27,14 @@ static double twice_time(const void *context, double t, const double x[3])
     return 2 * t;
 }
 
-#define EXPECT(...) {.of = "kinetic", .above = NAN, .below = NAN, __VA_ARGS__}
-#define BOUND(...) {.of = "kinetic", __VA_ARGS__}
+#define EXPECT(...)                                                                                \
+    {                                                                                              \
+        .of = "kinetic", .above = NAN, .below = NAN, __VA_ARGS__                                   \
+    }
+#define BOUND(...)                                                                                 \
+    {                                                                                              \
+        .of = "kinetic", __VA_ARGS__                                                               \
+    }
 #define VALUE(v) .has_value = true, .value = {.value = v}
 
 static const struct {
@@ -45,17 +52,28 @@ static const struct {
     {BOUND(.when = CALX_ALWAYS, .above = NAN, .below = 3), false, 4, 0.1},
     {EXPECT(.when = CALX_ALWAYS, VALUE(1), .atol = 3.5), false, -3, 0.3},
     {EXPECT(.when = CALX_CHANGE, VALUE(0), .rtol = 0.3), false, 0.5, 0.4},
-    {{.of = "temperature_max", .when = CALX_AT_END, VALUE(300), .atol = 1e9, .above = NAN, .below = NAN}, false, NAN, 0.4},
+    {{.of = "temperature_max",
+      .when = CALX_AT_END,
+      VALUE(300),
+      .atol = 1e9,
+      .above = NAN,
+      .below = NAN},
+     false,
+     NAN,
+     0.4},
     {{.of = "temperature_max", .when = CALX_AT_END, .above = 0, .below = NAN}, false, NAN, 0.4},
     /* what must pass */
     {EXPECT(.when = CALX_AT_END, VALUE(1.5)), true, 1.5, 0.4},
     {EXPECT(.when = CALX_AT_END, VALUE(1.4), .atol = 0.05, .rtol = 0.04), true, 1.5, 0.4},
     {EXPECT(.when = CALX_AT_END, .stage = "first", VALUE(2)), true, 2, 0.2},
     {EXPECT(.when = CALX_AT_TIME, .time = 0, VALUE(1)), true, 1, 0},
-    {EXPECT(.when = CALX_AT_TIME, .time = 0.1 + 1e-9, VALUE(4)), true, 4, 0.1}, /* within the rounding of a step */
-    {EXPECT(.when = CALX_AT_TIME, .time = 0.15, VALUE(2)), true, 2, 0.2},       /* the step that reaches it */
-    {EXPECT(.when = CALX_AT_TIME, .time = 0.3, .has_value = true, .value = {twice_time, NULL, 0}, .atol = 3.6 + 1e-12), true,
-     -3, 0.3},
+    {EXPECT(.when = CALX_AT_TIME, .time = 0.1 + 1e-9, VALUE(4)), true, 4,
+     0.1}, /* within the rounding of a step */
+    {EXPECT(.when = CALX_AT_TIME, .time = 0.15, VALUE(2)), true, 2,
+     0.2}, /* the step that reaches it */
+    {EXPECT(.when = CALX_AT_TIME, .time = 0.3, .has_value = true, .value = {twice_time, NULL, 0},
+            .atol = 3.6 + 1e-12),
+     true, -3, 0.3},
     {EXPECT(.when = CALX_MINIMUM, VALUE(-3)), true, -3, 0.3},
     {EXPECT(.when = CALX_MAXIMUM, VALUE(4)), true, 4, 0.1},
     {EXPECT(.when = CALX_MAXIMUM, .stage = "second", VALUE(2)), true, 2, 0.2},
@@ -66,14 +84,16 @@ static const struct {
     {EXPECT(.when = CALX_CHANGE, .stage = "second", VALUE(-0.5)), true, -0.5, 0.4},
 };
 
-static struct calx_stage_spec stages[3] = {{.name = "first"}, {.name = "second"}, {.name = "third"}};
+static struct calx_stage_spec stages[3] = {
+    {.name = "first"}, {.name = "second"}, {.name = "third"}};
 static struct calx_scene scene;
 static struct calx_sim sim;
 static struct calx_expect expect;
 
 static void make_sim(void)
 {
-    scene = (struct calx_scene){.stage_count = 3, .stages = stages, .expect_count = 1, .expects = &expect};
+    scene = (struct calx_scene){
+        .stage_count = 3, .stages = stages, .expect_count = 1, .expects = &expect};
     sim = (struct calx_sim){.scene = &scene};
 }
 
@@ -106,9 +126,12 @@ static void show(struct calx_verify *verify, int first, int last)
 static void check_verdict(struct calx_verify *verify, int i)
 {
     struct calx_verdict v = calx_verify_verdict(verify, 0);
-    ck_assert_msg(v.passed == cases[i].passed, "case %d: error %g, tolerance %g", i, v.error, v.tolerance);
-    ck_assert_msg(v.got == cases[i].got || (isnan(v.got) && isnan(cases[i].got)), "case %d: got %g", i, v.got);
-    ck_assert_msg(v.time == cases[i].time || (isnan(v.time) && isnan(cases[i].time)), "case %d: time %g", i, v.time);
+    ck_assert_msg(v.passed == cases[i].passed, "case %d: error %g, tolerance %g", i, v.error,
+                  v.tolerance);
+    ck_assert_msg(v.got == cases[i].got || (isnan(v.got) && isnan(cases[i].got)), "case %d: got %g",
+                  i, v.got);
+    ck_assert_msg(v.time == cases[i].time || (isnan(v.time) && isnan(cases[i].time)),
+                  "case %d: time %g", i, v.time);
     ck_assert_uint_eq(calx_verify_failures(verify), !cases[i].passed);
 }
 
