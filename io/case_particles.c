@@ -328,5 +328,5 @@ void calx_case_read_particles(struct calx_reader *r)
                 read_body_element(&bed, child, ordinal++);
     drop_unsaid(&bed);
     if (!bed.particles->count && !r->problems->count)
-        calx_case_fail(r, r->root, NULL, "has no particle");
+        calx_case_fail(r, calx_case_first(r->root, "particles"), NULL, "has no particle");
 }
