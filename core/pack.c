@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Random packings. Inputs: region, sizes, count or solid fraction, seed, bodies that are already there; output: positions and radii
- * without overlap. Method: largest first, random trials (random sequential addition); bodies that find no place are
- * put where they overlap least and the whole is relaxed (pack_relax.c), which reaches solid fractions near random close packing.
+ * Random packings. Inputs: region, sizes, count or solid fraction, seed, bodies that are already
+ * there; output: positions and radii without overlap. Method: largest first, random trials (random
+ * sequential addition); bodies that find no place are put where they overlap least and the whole is
+ * relaxed (pack_relax.c), which reaches solid fractions near random close packing.
  */
 #include "core/pack.h"
 
@@ -13,7 +14,13 @@
 #include "core/pack_parts.h"
 
 /* Trials per body: many at first; few once bodies find no place, where relaxing is cheaper. */
-enum { MANY_TRIALS = 200, FEW_TRIALS = 20, LOOSE_TRIALS = 2000, MOST_MISSES = 20, POINT_DRAWS = 10000 };
+enum {
+    MANY_TRIALS = 200,
+    FEW_TRIALS = 20,
+    LOOSE_TRIALS = 2000,
+    MOST_MISSES = 20,
+    POINT_DRAWS = 10000
+};
 
 /* More than random trials ever place: how much is drawn when as many as they place are wanted. */
 static const double densest = 0.9;
@@ -38,7 +45,7 @@ void calx_packing_free(struct calx_packing *packing)
     *packing = (struct calx_packing){0};
 }
 
-/* ---- one body --------------------------------------------------------------------------------------------- */
+/* ---- one body ---- */
 
 /* A random point where a body of that radius is clear of the walls; false if none is found. */
 static bool draw_point(struct packer *packer, double radius, double x[3])
@@ -74,14 +81,16 @@ static bool find_deepest(void *context, int32_t j)
 {
     struct trial *trial = context;
     double d[3], other = trial->set->radius[j];
-    double overlap = trial->radius + other - sqrt(calx_pack_grid_between(&trial->set->grid, trial->x, j, d));
+    double overlap =
+        trial->radius + other - sqrt(calx_pack_grid_between(&trial->set->grid, trial->x, j, d));
     trial->deepest = fmax(trial->deepest, overlap / fmin(trial->radius, other));
     return true;
 }
 
 static bool visit_others(struct trial *trial, bool (*visit)(void *context, int32_t j))
 {
-    return calx_pack_grid_visit(&trial->set->grid, trial->x, trial->radius, 0, CALX_PACK_LEVELS, visit, trial);
+    return calx_pack_grid_visit(&trial->set->grid, trial->x, trial->radius, 0, CALX_PACK_LEVELS,
+                                visit, trial);
 }
 
 static void settle(struct packer *packer, size_t i, const double x[3])
@@ -109,12 +118,17 @@ static void squeeze(struct packer *packer, size_t i)
 static int place(struct packer *packer, size_t i)
 {
     double x[3] = {0}, radius = packer->set.radius[i];
-    int trials = packer->loose ? LOOSE_TRIALS : packer->misses < MOST_MISSES ? MANY_TRIALS : FEW_TRIALS;
+    int trials = packer->loose                  ? LOOSE_TRIALS
+                 : packer->misses < MOST_MISSES ? MANY_TRIALS
+                                                : FEW_TRIALS;
     for (int k = 0; k < trials; k++) {
         if (!draw_point(packer, radius, x))
             return calx_error_set(packer->error, CALX_ERROR_INPUT,
-                                  "a body of radius %g m does not fit into the region to fill (%g by %g by %g m): %zu were "
-                                  "placed before it", radius, packer->high[0] - packer->low[0], packer->high[1] - packer->low[1],
+                                  "a body of radius %g m does not fit into the region to fill (%g "
+                                  "by %g by %g m): %zu were "
+                                  "placed before it",
+                                  radius, packer->high[0] - packer->low[0],
+                                  packer->high[1] - packer->low[1],
                                   packer->high[2] - packer->low[2], packer->placed);
         struct trial trial = {&packer->set, x, radius, 0};
         if (visit_others(&trial, is_apart)) {
@@ -130,7 +144,7 @@ static int place(struct packer *packer, size_t i)
     return CALX_OK;
 }
 
-/* ---- all bodies ------------------------------------------------------------------------------------------- */
+/* ---- all bodies ---- */
 
 struct rank {
     double radius;
@@ -162,11 +176,13 @@ static bool rank_bodies(struct packer *packer)
 
 static int no_memory(struct packer *packer)
 {
-    return calx_error_set(packer->error, CALX_ERROR_MEMORY, "no memory to pack %zu bodies", packer->set.count);
+    return calx_error_set(packer->error, CALX_ERROR_MEMORY, "no memory to pack %zu bodies",
+                          packer->set.count);
 }
 
 /* Takes over the drawn radii and appends the bodies that are there. */
-static int fill_set(struct packer *packer, double *radius, size_t count, const struct calx_bodies_at *avoid)
+static int fill_set(struct packer *packer, double *radius, size_t count,
+                    const struct calx_bodies_at *avoid)
 {
     struct calx_pack_set *set = &packer->set;
     size_t others = avoid ? avoid->count : 0;
@@ -191,11 +207,14 @@ static int fill_set(struct packer *packer, double *radius, size_t count, const s
     const struct calx_region *region = set->region;
     for (uint32_t k = 0; k < region->dimension; k++)
         if (region->periodic[k] && region->high[k] - region->low[k] < 2 * set->largest)
-            return calx_error_set(packer->error, CALX_ERROR_INPUT,
-                                  "a body of radius %g m would touch its own periodic image (period %g m)", set->largest,
-                                  region->high[k] - region->low[k]);
-    const double (*position)[3] = (const double (*)[3])set->position;
-    if (!calx_pack_grid_create(&set->grid, region, set->total, set->largest, position, set->radius) || !rank_bodies(packer))
+            return calx_error_set(
+                packer->error, CALX_ERROR_INPUT,
+                "a body of radius %g m would touch its own periodic image (period %g m)",
+                set->largest, region->high[k] - region->low[k]);
+    const double(*position)[3] = (const double(*)[3])set->position;
+    if (!calx_pack_grid_create(&set->grid, region, set->total, set->largest, position,
+                               set->radius) ||
+        !rank_bodies(packer))
         return no_memory(packer);
     for (size_t i = count; i < set->total; i++)
         calx_pack_grid_insert(&set->grid, (int32_t)i);
@@ -210,7 +229,8 @@ static double solid_of(const struct packer *packer)
     return solid;
 }
 
-/* Drops the bodies that overlap a wall or a kept body; what stays is a packing. Leaves `done` false for the dropped. */
+/* Drops the bodies that overlap a wall or a kept body; what stays is a packing. Leaves `done` false
+ * for the dropped. */
 static size_t keep_apart(struct packer *packer)
 {
     struct calx_pack_set *set = &packer->set;
@@ -221,7 +241,8 @@ static size_t keep_apart(struct packer *packer)
     for (size_t k = 0; k < set->count; k++) {
         size_t i = packer->order[k];
         struct trial trial = {set, set->position[i], set->radius[i], 0};
-        packer->done[i] = packer->done[i] && calx_region_holds(set->region, trial.x, trial.radius) &&
+        packer->done[i] = packer->done[i] &&
+                          calx_region_holds(set->region, trial.x, trial.radius) &&
                           visit_others(&trial, is_apart);
         if (!packer->done[i])
             continue;
@@ -231,7 +252,8 @@ static size_t keep_apart(struct packer *packer)
     return kept;
 }
 
-/* What was reached, and what would fit: all of them shrunk, or as much solid in bodies of the size wanted. */
+/* What was reached, and what would fit: all of them shrunk, or as much solid in bodies of the size
+ * wanted. */
 static int report(const struct packer *packer, double wanted, double shrink, size_t kept)
 {
     size_t count = packer->set.count;
@@ -239,11 +261,14 @@ static int report(const struct packer *packer, double wanted, double shrink, siz
     if (shrink == 0) /* something else is wrong with the rest, such as the wrong side of a wall */
         reached = (double)kept / (double)count;
     return calx_error_set(packer->error, CALX_ERROR_INPUT,
-                          "%zu bodies, a solid fraction of %.3f, do not fit without overlap: random trials placed %zu (%.3f), "
-                          "and pushing all apart reached %.3f, with radii %.2f %% smaller; ask for about %zu bodies, smaller "
+                          "%zu bodies, a solid fraction of %.3f, do not fit without overlap: "
+                          "random trials placed %zu (%.3f), "
+                          "and pushing all apart reached %.3f, with radii %.2f %% smaller; ask for "
+                          "about %zu bodies, smaller "
                           "ones or a larger region",
-                          count, wanted / packer->volume, packer->placed, packer->solid / packer->volume,
-                          wanted * reached / packer->volume, 100 * shrink, (size_t)(reached * (double)count));
+                          count, wanted / packer->volume, packer->placed,
+                          packer->solid / packer->volume, wanted * reached / packer->volume,
+                          100 * shrink, (size_t)(reached * (double)count));
 }
 
 static int place_all(struct packer *packer)
@@ -280,8 +305,8 @@ static int hand_over(const struct packer *packer, struct calx_packing *out)
     return CALX_OK;
 }
 
-static int check_arguments(struct packer *packer, const struct calx_sizes *sizes, size_t count, double fill,
-                           const struct calx_bodies_at *avoid)
+static int check_arguments(struct packer *packer, const struct calx_sizes *sizes, size_t count,
+                           double fill, const struct calx_bodies_at *avoid)
 {
     const char *mistake = calx_pack_sizes_mistake(sizes);
     if (count > 0 && fill != 0)
@@ -295,7 +320,9 @@ static int check_arguments(struct packer *packer, const struct calx_sizes *sizes
         if (!(avoid->radius[i] > 0) || !isfinite(avoid->radius[i] + x[0] + x[1] + x[2]))
             mistake = "a body that is there has no finite position and positive radius";
     }
-    return mistake ? calx_error_set(packer->error, CALX_ERROR_INPUT, "particles to pack: %s", mistake) : CALX_OK;
+    return mistake
+               ? calx_error_set(packer->error, CALX_ERROR_INPUT, "particles to pack: %s", mistake)
+               : CALX_OK;
 }
 
 static int pack(struct packer *packer, const struct calx_sizes *sizes, size_t count, double fill,
@@ -310,26 +337,29 @@ static int pack(struct packer *packer, const struct calx_sizes *sizes, size_t co
     packer->loose = count == 0 && fill == 0 && sizes->kind != CALX_SIZES_LIST;
     double *radius, wanted = packer->loose ? densest : fill;
     size_t drawn;
-    CALX_TRY(calx_pack_sizes_draw(sizes, region->dimension, count, wanted * packer->volume, &packer->random, &radius,
-                                  &drawn, packer->error));
+    CALX_TRY(calx_pack_sizes_draw(sizes, region->dimension, count, wanted * packer->volume,
+                                  &packer->random, &radius, &drawn, packer->error));
     if (drawn == 0)
         return calx_error_set(packer->error, CALX_ERROR_INPUT,
-                              "particles to pack: not one body makes so small a solid fraction of the region (%g m%u)",
+                              "particles to pack: not one body makes so small a solid fraction of "
+                              "the region (%g m%u)",
                               packer->volume, region->dimension);
     CALX_TRY(fill_set(packer, radius, drawn, avoid));
     double solid = solid_of(packer);
     if (solid > packer->volume)
         return calx_error_set(packer->error, CALX_ERROR_INPUT,
-                              "%zu bodies cannot fit: together they are %.2f times the region, of which at most about %zu "
-                              "fill 0.6; none was placed", drawn, solid / packer->volume,
+                              "%zu bodies cannot fit: together they are %.2f times the region, of "
+                              "which at most about %zu "
+                              "fill 0.6; none was placed",
+                              drawn, solid / packer->volume,
                               (size_t)(0.6 * packer->volume / solid * (double)drawn));
     CALX_TRY(place_all(packer));
     return hand_over(packer, out) ? no_memory(packer) : CALX_OK;
 }
 
-int calx_pack_region(const struct calx_region *region, const struct calx_sizes *sizes, size_t count, double fill,
-                     uint64_t seed, const struct calx_bodies_at *avoid, struct calx_packing *out,
-                     struct calx_error *error)
+int calx_pack_region(const struct calx_region *region, const struct calx_sizes *sizes, size_t count,
+                     double fill, uint64_t seed, const struct calx_bodies_at *avoid,
+                     struct calx_packing *out, struct calx_error *error)
 {
     struct packer packer = {.set.region = region, .error = error};
     *out = (struct calx_packing){0};

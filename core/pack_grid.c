@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * The neighbour search of the packing. Input: positions, radii; output: candidates that may touch. Cells of level l are
- * as wide as the largest body of that level; a search visits few cells on its own and coarser levels, so that the cost
- * does not grow with the size ratio when large bodies are placed first. Cells are hashed: the region may be any size.
+ * The neighbour search of the packing. Input: positions, radii; output: candidates that may touch.
+ * Cells of level l are as wide as the largest body of that level; a search visits few cells on its
+ * own and coarser levels, so that the cost does not grow with the size ratio when large bodies are
+ * placed first. Cells are hashed: the region may be any size.
  */
 #include "core/pack_grid.h"
 
@@ -10,13 +11,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool calx_pack_grid_create(struct calx_pack_grid *grid, const struct calx_region *region, size_t count, double top,
-                           const double (*position)[3], const double *radius)
+bool calx_pack_grid_create(struct calx_pack_grid *grid, const struct calx_region *region,
+                           size_t count, double top, const double (*position)[3],
+                           const double *radius)
 {
     size_t buckets = 64;
     while (buckets < 2 * count)
         buckets *= 2;
-    *grid = (struct calx_pack_grid){.dimension = region->dimension, .top = top, .position = position, .radius = radius};
+    *grid = (struct calx_pack_grid){
+        .dimension = region->dimension, .top = top, .position = position, .radius = radius};
     grid->mask = buckets - 1;
     for (uint32_t k = 0; k < region->dimension; k++) {
         grid->low[k] = isfinite(region->low[k]) ? region->low[k] : 0;
@@ -24,7 +27,8 @@ bool calx_pack_grid_create(struct calx_pack_grid *grid, const struct calx_region
         for (int l = 0; l < CALX_PACK_LEVELS; l++) {
             double width = ldexp(2 * top, -l);
             grid->cells[l][k] = (int64_t)fmax(grid->period[k] > 0, floor(grid->period[k] / width));
-            grid->width[l][k] = grid->cells[l][k] ? grid->period[k] / (double)grid->cells[l][k] : width;
+            grid->width[l][k] =
+                grid->cells[l][k] ? grid->period[k] / (double)grid->cells[l][k] : width;
         }
     }
     grid->head = malloc(buckets * sizeof *grid->head);
@@ -61,8 +65,8 @@ int calx_pack_grid_level(const struct calx_pack_grid *grid, double radius)
 static uint64_t cell_key(int level, const int64_t cell[3])
 {
     const uint64_t mask = (1u << 19) - 1;
-    return (uint64_t)level << 57 | ((uint64_t)cell[0] & mask) << 38 | ((uint64_t)cell[1] & mask) << 19 |
-           ((uint64_t)cell[2] & mask);
+    return (uint64_t)level << 57 | ((uint64_t)cell[0] & mask) << 38 |
+           ((uint64_t)cell[1] & mask) << 19 | ((uint64_t)cell[2] & mask);
 }
 
 static size_t bucket_of(const struct calx_pack_grid *grid, uint64_t key)
@@ -97,8 +101,8 @@ void calx_pack_grid_insert(struct calx_pack_grid *grid, int32_t i)
     grid->population[level]++;
 }
 
-static bool visit_cell(const struct calx_pack_grid *grid, uint64_t key, bool (*visit)(void *context, int32_t j),
-                       void *context)
+static bool visit_cell(const struct calx_pack_grid *grid, uint64_t key,
+                       bool (*visit)(void *context, int32_t j), void *context)
 {
     for (int32_t j = grid->head[bucket_of(grid, key)]; j >= 0; j = grid->next[j])
         if (grid->key[j] == key && !visit(context, j))
@@ -107,8 +111,8 @@ static bool visit_cell(const struct calx_pack_grid *grid, uint64_t key, bool (*v
 }
 
 /* The cells of a level that a search reaches along each axis, every cell once. */
-static void find_range(const struct calx_pack_grid *grid, int level, const double x[3], double reach, int64_t first[3],
-                       int64_t last[3])
+static void find_range(const struct calx_pack_grid *grid, int level, const double x[3],
+                       double reach, int64_t first[3], int64_t last[3])
 {
     for (int k = 0; k < (int)grid->dimension; k++) {
         first[k] = cell_at(grid, level, k, x[k] - reach);
@@ -118,8 +122,8 @@ static void find_range(const struct calx_pack_grid *grid, int level, const doubl
     }
 }
 
-static bool visit_level(const struct calx_pack_grid *grid, int level, const double x[3], double reach,
-                        bool (*visit)(void *context, int32_t j), void *context)
+static bool visit_level(const struct calx_pack_grid *grid, int level, const double x[3],
+                        double reach, bool (*visit)(void *context, int32_t j), void *context)
 {
     int64_t first[3] = {0}, last[3] = {0}, c[3], cell[3];
     const int64_t *cells = grid->cells[level];
@@ -138,8 +142,9 @@ static bool visit_level(const struct calx_pack_grid *grid, int level, const doub
     return true;
 }
 
-bool calx_pack_grid_visit(const struct calx_pack_grid *grid, const double x[3], double radius, double margin,
-                          int deepest, bool (*visit)(void *context, int32_t j), void *context)
+bool calx_pack_grid_visit(const struct calx_pack_grid *grid, const double x[3], double radius,
+                          double margin, int deepest, bool (*visit)(void *context, int32_t j),
+                          void *context)
 {
     for (int level = 0; level <= deepest && level < CALX_PACK_LEVELS; level++) {
         double reach = radius + ldexp(grid->top, -level) + margin;
@@ -149,7 +154,8 @@ bool calx_pack_grid_visit(const struct calx_pack_grid *grid, const double x[3], 
     return true;
 }
 
-double calx_pack_grid_between(const struct calx_pack_grid *grid, const double x[3], int32_t j, double d[3])
+double calx_pack_grid_between(const struct calx_pack_grid *grid, const double x[3], int32_t j,
+                              double d[3])
 {
     double square = 0;
     for (int k = 0; k < (int)grid->dimension; k++) {

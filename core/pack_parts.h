@@ -19,7 +19,7 @@ struct calx_pack_set {
     struct calx_pack_grid grid;
 };
 
-/* ---- pack_sizes.c ---------------------------------------------------------------------------------------- */
+/* ---- pack_sizes.c ---- */
 
 /* Area (2D) or volume (3D) of a body. */
 double calx_pack_sizes_solid(uint32_t dimension, double radius);
@@ -27,15 +27,18 @@ double calx_pack_sizes_solid(uint32_t dimension, double radius);
 /* NULL, or what is wrong with a distribution. */
 const char *calx_pack_sizes_mistake(const struct calx_sizes *sizes);
 
-/* Draws `count` radii, or (count = 0) as many as make the solid area or volume `solid`, in random order; *radius is to be freed. Fails on too many
- * bodies, or a distribution that its truncation leaves nothing of. */
-int calx_pack_sizes_draw(const struct calx_sizes *sizes, uint32_t dimension, size_t count, double solid,
-                         struct calx_random *random, double **radius, size_t *drawn, struct calx_error *error);
+/* Draws `count` radii, or (count = 0) as many as make the solid area or volume `solid`, in random
+ * order; *radius is to be freed. Fails on too many bodies, or a distribution that its truncation
+ * leaves nothing of. */
+int calx_pack_sizes_draw(const struct calx_sizes *sizes, uint32_t dimension, size_t count,
+                         double solid, struct calx_random *random, double **radius, size_t *drawn,
+                         struct calx_error *error);
 
-/* ---- pack_relax.c ---------------------------------------------------------------------------------------- */
+/* ---- pack_relax.c ---- */
 
-/* Pushes overlapping bodies apart until none overlap or no progress is made. *shrink becomes the share by which all radii
- * would have to shrink to end the overlaps that are left (0: none are). Fails only without memory. */
+/* Pushes overlapping bodies apart until none overlap or no progress is made. *shrink becomes the
+ * share by which all radii would have to shrink to end the overlaps that are left (0: none are).
+ * Fails only without memory. */
 int calx_pack_relax(struct calx_pack_set *set, double *shrink, struct calx_error *error);
 
 #endif

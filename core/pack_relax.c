@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Takes the overlaps out of a dense random arrangement: bodies a little larger than they are (so that the end is reached in finite time)
- * repel in proportion to their overlap, and the energy is minimised with FIRE (Bitzek et al., Phys. Rev. Lett. 97, 170201, 2006)
- * until nothing overlaps. Below the jamming density (0.84 in 2D, 0.64 in 3D; O'Hern et al., Phys. Rev. E 68, 011306, 2003) the
- * minimum is 0. Units: stiffness 1 N/m, mass 1 kg for the smallest body. Input and output: the positions of a set.
+ * Takes the overlaps out of a dense random arrangement: bodies a little larger than they are (so
+ * that the end is reached in finite time) repel in proportion to their overlap, and the energy is
+ * minimised with FIRE (Bitzek et al., Phys. Rev. Lett. 97, 170201, 2006) until nothing overlaps.
+ * Below the jamming density (0.84 in 2D, 0.64 in 3D; O'Hern et al., Phys. Rev. E 68, 011306, 2003)
+ * the minimum is 0. Units: stiffness 1 N/m, mass 1 kg for the smallest body. Input and output: the
+ * positions of a set.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -11,11 +13,11 @@
 
 #include "core/pack_parts.h"
 
-static const double inflation = 1e-3;  /* of the radius */
-static const double safety = 1e-6;     /* of the least radius: a gap that rounding cannot close */
-static const double skin_share = 0.5;  /* of the least radius */
+static const double inflation = 1e-3; /* of the radius */
+static const double safety = 1e-6;    /* of the least radius: a gap that rounding cannot close */
+static const double skin_share = 0.5; /* of the least radius */
 static const int most_steps = 20000;
-static const int patience = 1000;      /* steps in which the energy must fall by a tenth */
+static const int patience = 1000; /* steps in which the energy must fall by a tenth */
 
 struct neighbour {
     int32_t i, j; /* j: a body, or an edge (then obstacles) of the region */
@@ -55,7 +57,7 @@ static bool append(struct list *list, int32_t i, int32_t j)
     return true;
 }
 
-/* ---- neighbour lists -------------------------------------------------------------------------------------- */
+/* ---- neighbour lists ---- */
 
 /* A pair is found from its smaller body, among equals of a level from the later one. */
 static bool add_neighbour(void *context, int32_t j)
@@ -83,9 +85,11 @@ static const double *edge_at(const struct calx_region *region, int32_t e)
 static void list_edges(struct relax *relax, int32_t i)
 {
     const struct calx_region *region = relax->set->region;
-    double away[2], reach = relax->set->radius[i] * (1 + inflation) + region->clearance + relax->skin;
+    double away[2],
+        reach = relax->set->radius[i] * (1 + inflation) + region->clearance + relax->skin;
     for (int32_t e = 0; (size_t)e < region->edge_count + region->obstacle_count; e++)
-        if (calx_region_edge(edge_at(region, e), relax->set->position[i], away) < reach && !append(&relax->edges, i, e))
+        if (calx_region_edge(edge_at(region, e), relax->set->position[i], away) < reach &&
+            !append(&relax->edges, i, e))
             relax->failed = true;
 }
 
@@ -101,7 +105,8 @@ static bool build_lists(struct relax *relax)
         relax->searching = (int32_t)i;
         relax->level = calx_pack_grid_level(&set->grid, r);
         double margin = relax->skin + inflation * (r + set->largest);
-        calx_pack_grid_visit(&set->grid, set->position[i], r, margin, relax->level, add_neighbour, relax);
+        calx_pack_grid_visit(&set->grid, set->position[i], r, margin, relax->level, add_neighbour,
+                             relax);
         if (i < set->count)
             list_edges(relax, (int32_t)i);
     }
@@ -121,7 +126,7 @@ static bool lists_are_stale(const struct relax *relax)
     return false;
 }
 
-/* ---- forces ------------------------------------------------------------------------------------------------ */
+/* ---- forces ---- */
 
 /* Books a contact: its overlap, what of it is real, and the radii that it comes from. */
 static void note(struct relax *relax, double overlap, double real, double radii)
@@ -158,7 +163,8 @@ static void push_edges(struct relax *relax)
     for (size_t k = 0; k < relax->edges.count; k++) {
         int32_t i = relax->edges.list[k].i;
         double away[2], reach = set->radius[i] * (1 + inflation) + set->region->clearance;
-        double distance = calx_region_edge(edge_at(set->region, relax->edges.list[k].j), set->position[i], away);
+        double distance =
+            calx_region_edge(edge_at(set->region, relax->edges.list[k].j), set->position[i], away);
         double overlap = reach - distance;
         if (overlap <= 0 || distance == 0)
             continue;
@@ -173,7 +179,8 @@ static void push_bounds(struct relax *relax)
     struct calx_pack_set *set = relax->set;
     for (size_t i = 0; i < set->count; i++) {
         double extra = inflation * set->radius[i];
-        double overlap = calx_region_push(set->region, set->position[i], set->radius[i] + extra, relax->force[i]);
+        double overlap = calx_region_push(set->region, set->position[i], set->radius[i] + extra,
+                                          relax->force[i]);
         note(relax, fmax(0, overlap), overlap - extra, set->radius[i]);
     }
 }
@@ -188,31 +195,7 @@ static void find_forces(struct relax *relax)
     push_bounds(relax);
 }
 
-/* ---- motion ------------------------------------------------------------------------------------------------- */
-
-static double side(const double edge[4], const double x[3])
-{
-    return (edge[2] - edge[0]) * (x[1] - edge[1]) - (edge[3] - edge[1]) * (x[0] - edge[0]);
-}
-
-static bool passes(const double edge[4], const double from[3], const double to[3])
-{
-    const double step[4] = {from[0], from[1], to[0], to[1]}, a[3] = {edge[0], edge[1]}, b[3] = {edge[2], edge[3]};
-    return side(edge, from) * side(edge, to) <= 0 && side(step, a) * side(step, b) <= 0;
-}
-
-/* A body never passes through a segment: its move is taken back. `before`: positions before the step. */
-static void stop_at_edges(struct relax *relax, double (*before)[3])
-{
-    struct calx_pack_set *set = relax->set;
-    for (size_t k = 0; k < relax->edges.count; k++) {
-        int32_t i = relax->edges.list[k].i;
-        if (!passes(edge_at(set->region, relax->edges.list[k].j), before[i], set->position[i]))
-            continue;
-        memcpy(set->position[i], before[i], sizeof *before);
-        memset(relax->velocity[i], 0, sizeof *relax->velocity);
-    }
-}
+/* ---- motion ---- */
 
 /* The mixing and the step of FIRE, with the constants of the paper. */
 static void adapt(struct relax *relax)
@@ -242,11 +225,11 @@ static void adapt(struct relax *relax)
     }
 }
 
-static void move(struct relax *relax, double (*before)[3])
+/* Steps are short against the least radius, so that no body jumps over a segment. */
+static void move(struct relax *relax)
 {
     struct calx_pack_set *set = relax->set;
     double longest = relax->skin / 4;
-    memcpy(before, set->position, set->count * sizeof *before);
     for (size_t i = 0; i < set->count; i++) {
         double *v = relax->velocity[i], square = 0;
         for (int c = 0; c < 3; c++) {
@@ -259,10 +242,9 @@ static void move(struct relax *relax, double (*before)[3])
             set->position[i][c] += relax->dt * v[c];
         }
     }
-    stop_at_edges(relax, before);
 }
 
-static bool minimise(struct relax *relax, double (*before)[3])
+static bool minimise(struct relax *relax)
 {
     double reference = INFINITY;
     for (int step = 0; step < most_steps; step++) {
@@ -277,7 +259,7 @@ static bool minimise(struct relax *relax, double (*before)[3])
             reference = relax->energy;
         }
         adapt(relax);
-        move(relax, before);
+        move(relax);
     }
     return true;
 }
@@ -300,25 +282,26 @@ static void wrap(struct calx_pack_set *set)
 int calx_pack_relax(struct calx_pack_set *set, double *shrink, struct calx_error *error)
 {
     struct relax relax = {.set = set, .skin = skin_share * set->least, .dt = 0.1, .mixing = 0.1};
-    double (*before)[3] = calloc(set->total, sizeof *before);
     relax.velocity = calloc(set->total, sizeof *relax.velocity);
     relax.force = calloc(set->total, sizeof *relax.force);
     relax.built = calloc(set->total, sizeof *relax.built);
     relax.mass = calloc(set->total, sizeof *relax.mass);
-    bool done = before && relax.velocity && relax.force && relax.built && relax.mass;
+    bool done = relax.velocity && relax.force && relax.built && relax.mass;
     if (done) {
-        for (size_t i = 0; i < set->count; i++) /* as many contacts as fit around it share the stiffness */
+        for (size_t i = 0; i < set->count;
+             i++) /* as many contacts as fit around it share the stiffness */
             relax.mass[i] = pow(set->radius[i] / set->least, set->region->dimension - 1);
-        done = minimise(&relax, before);
+        done = minimise(&relax);
         wrap(set);
         *shrink = relax.shrink;
     }
-    free(before);
     free(relax.velocity);
     free(relax.force);
     free(relax.built);
     free(relax.mass);
     free(relax.bodies.list);
     free(relax.edges.list);
-    return done ? CALX_OK : calx_error_set(error, CALX_ERROR_MEMORY, "no memory to pack %zu bodies", set->count);
+    return done ? CALX_OK
+                : calx_error_set(error, CALX_ERROR_MEMORY, "no memory to pack %zu bodies",
+                                 set->count);
 }

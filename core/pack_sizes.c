@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Radii of the bodies of a packing. Input: a distribution and how many or how much; output: radii in m in random order.
- * By mass fractions w_i of classes of radius r_i the numbers are n_i ~ w_i/v_i with v_i the area or volume of a body:
- * exact shares rounded by largest remainders, not draws. Truncated distributions draw again what falls outside.
+ * Radii of the bodies of a packing. Input: a distribution and how many or how much; output: radii
+ * in m in random order. By mass fractions w_i of classes of radius r_i the numbers are n_i ~
+ * w_i/v_i with v_i the area or volume of a body: exact shares rounded by largest remainders, not
+ * draws. Truncated distributions draw again what falls outside.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -45,7 +46,8 @@ const char *calx_pack_sizes_mistake(const struct calx_sizes *sizes)
     if (sizes->kind == CALX_SIZES_FIXED)
         return NULL;
     if (sizes->kind == CALX_SIZES_UNIFORM)
-        return positive(sizes->b) && sizes->b >= sizes->a ? NULL : "the largest radius is below the least";
+        return positive(sizes->b) && sizes->b >= sizes->a ? NULL
+                                                          : "the largest radius is below the least";
     if (!positive(sizes->b))
         return "the standard deviation of the radius must be positive";
     if (!(sizes->min >= 0) || isnan(sizes->max) || (sizes->max != 0 && !(sizes->max > sizes->min)))
@@ -53,7 +55,7 @@ const char *calx_pack_sizes_mistake(const struct calx_sizes *sizes)
     return NULL;
 }
 
-/* ---- one radius at a time --------------------------------------------------------------------------------- */
+/* ---- one radius at a time ---- */
 
 static double draw_fixed(const struct calx_sizes *sizes, struct calx_random *random)
 {
@@ -100,7 +102,7 @@ static double draw_within(const struct calx_sizes *sizes, struct calx_random *ra
     return 0;
 }
 
-/* ---- all of them ------------------------------------------------------------------------------------------ */
+/* ---- all of them ---- */
 
 struct radii {
     double *list;
@@ -110,12 +112,14 @@ struct radii {
 static int append(struct radii *radii, double r, struct calx_error *error)
 {
     if (radii->count >= most_bodies)
-        return calx_error_set(error, CALX_ERROR_INPUT, "more than %zu bodies to place", most_bodies);
+        return calx_error_set(error, CALX_ERROR_INPUT, "more than %zu bodies to place",
+                              most_bodies);
     if (radii->count == radii->room) {
         size_t room = radii->room ? 2 * radii->room : 1024;
         double *more = realloc(radii->list, room * sizeof *more);
         if (!more)
-            return calx_error_set(error, CALX_ERROR_MEMORY, "no memory for the radii of %zu bodies", room);
+            return calx_error_set(error, CALX_ERROR_MEMORY, "no memory for the radii of %zu bodies",
+                                  room);
         radii->list = more;
         radii->room = room;
     }
@@ -130,7 +134,8 @@ static int draw_each(const struct calx_sizes *sizes, uint32_t dimension, size_t 
     while (count > 0 ? radii->count < count : sum < solid) {
         double r = draw_within(sizes, random);
         if (r == 0)
-            return calx_error_set(error, CALX_ERROR_INPUT, "the bounds of the radius leave nothing of its distribution");
+            return calx_error_set(error, CALX_ERROR_INPUT,
+                                  "the bounds of the radius leave nothing of its distribution");
         double own = calx_pack_sizes_solid(dimension, r);
         if (count == 0 && sum + own / 2 > solid) /* without this one it is nearer */
             return CALX_OK;
@@ -140,9 +145,10 @@ static int draw_each(const struct calx_sizes *sizes, uint32_t dimension, size_t 
     return CALX_OK;
 }
 
-/* Of class i its share of `total` numbers, cumulated: rounding the sums makes the parts add up to the whole. */
-static int draw_masses(const struct calx_sizes *sizes, uint32_t dimension, size_t count, double solid,
-                       struct radii *radii, struct calx_error *error)
+/* Of class i its share of `total` numbers, cumulated: rounding the sums makes the parts add up to
+ * the whole. */
+static int draw_masses(const struct calx_sizes *sizes, uint32_t dimension, size_t count,
+                       double solid, struct radii *radii, struct calx_error *error)
 {
     double numbers = 0, weights = 0, upto = 0;
     for (size_t i = 0; i < sizes->count; i++) {
@@ -151,9 +157,11 @@ static int draw_masses(const struct calx_sizes *sizes, uint32_t dimension, size_
     }
     double total = count > 0 ? (double)count : solid * numbers / weights;
     if (!(total <= (double)most_bodies))
-        return calx_error_set(error, CALX_ERROR_INPUT, "more than %zu bodies to place", most_bodies);
+        return calx_error_set(error, CALX_ERROR_INPUT, "more than %zu bodies to place",
+                              most_bodies);
     for (size_t i = 0; i < sizes->count; i++) {
-        upto += sizes->weight[i] / calx_pack_sizes_solid(dimension, sizes->list[i]) / numbers * total;
+        upto +=
+            sizes->weight[i] / calx_pack_sizes_solid(dimension, sizes->list[i]) / numbers * total;
         while ((double)radii->count < nearbyint(upto))
             CALX_TRY(append(radii, sizes->list[i], error));
     }
@@ -177,8 +185,9 @@ static void shuffle(struct radii *radii, struct calx_random *random)
     }
 }
 
-int calx_pack_sizes_draw(const struct calx_sizes *sizes, uint32_t dimension, size_t count, double solid,
-                         struct calx_random *random, double **radius, size_t *drawn, struct calx_error *error)
+int calx_pack_sizes_draw(const struct calx_sizes *sizes, uint32_t dimension, size_t count,
+                         double solid, struct calx_random *random, double **radius, size_t *drawn,
+                         struct calx_error *error)
 {
     struct radii radii = {0};
     int code;

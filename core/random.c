@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * xoshiro256** with seeding by splitmix64, and the distributions that packings draw from. Input: a seed; output: the same
- * stream on every platform. D. Blackman, S. Vigna, "Scrambled linear pseudorandom number generators", ACM Trans. Math.
- * Softw. 47(4), 36 (2021); G. Marsaglia, T. A. Bray, SIAM Review 6, 260 (1964) for the normal distribution.
+ * xoshiro256** with seeding by splitmix64, and the distributions that packings draw from. Input: a
+ * seed; output: the same stream on every platform. D. Blackman, S. Vigna, "Scrambled linear
+ * pseudorandom number generators", ACM Trans. Math. Softw. 47(4), 36 (2021); G. Marsaglia, T. A.
+ * Bray, SIAM Review 6, 260 (1964) for the normal distribution.
  */
 #include "core/random.h"
 
@@ -58,7 +59,8 @@ double calx_random_lognormal(struct calx_random *random, double mean, double dev
 
 uint64_t calx_random_below(struct calx_random *random, uint64_t n)
 {
-    uint64_t rest = -n % n, bits; /* 2^64 mod n: the first values would make small results likelier */
+    uint64_t rest = -n % n,
+             bits; /* 2^64 mod n: the first values would make small results likelier */
     do
         bits = calx_random_bits(random);
     while (bits < rest);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Geometry of the regions that bodies are packed into: inside or not, distance to the walls, volume. Inputs: the region
- * (core/region.h), points, radii; output: gaps and overlaps in m. Inside an outline: even-odd rule along a ray in x. Volumes of
- * cut and curved regions: midpoint rule over lines along x, whose length inside is exact.
+ * Geometry of the regions that bodies are packed into: inside or not, distance to the walls,
+ * volume. Inputs: the region (core/region.h), points, radii; output: gaps and overlaps in m. Inside
+ * an outline: even-odd rule along a ray in x. Volumes of cut and curved regions: midpoint rule over
+ * lines along x, whose length inside is exact.
  */
 #include "core/region.h"
 
@@ -14,7 +15,8 @@ static const char axis_name[3] = {'x', 'y', 'z'};
 
 void calx_region_init(struct calx_region *region, uint32_t dimension)
 {
-    *region = (struct calx_region){.kind = CALX_REGION_BOX, .dimension = dimension, .axis = {0, 0, 1}};
+    *region =
+        (struct calx_region){.kind = CALX_REGION_BOX, .dimension = dimension, .axis = {0, 0, 1}};
     for (int k = 0; k < 3; k++) {
         region->low[k] = -INFINITY;
         region->high[k] = INFINITY;
@@ -34,9 +36,10 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* ---- distances ------------------------------------------------------------------------------------------ */
+/* ---- distances ---- */
 
-static double push_box(const struct calx_region *region, const double x[3], double radius, double push[3])
+static double push_box(const struct calx_region *region, const double x[3], double radius,
+                       double push[3])
 {
     double deepest = -INFINITY;
     for (uint32_t k = 0; k < region->dimension; k++) {
@@ -49,7 +52,8 @@ static double push_box(const struct calx_region *region, const double x[3], doub
     return deepest;
 }
 
-/* Overlap with the inner side of a curved wall: `out` is the vector from its centre or axis to x. */
+/* Overlap with the inner side of a curved wall: `out` is the vector from its centre or axis to x.
+ */
 static double push_curved(double wall, const double out[3], double radius, double push[3])
 {
     double distance = sqrt(dot(out, out)), overlap = distance + radius - wall;
@@ -59,7 +63,8 @@ static double push_curved(double wall, const double out[3], double radius, doubl
     return overlap;
 }
 
-static double push_ball(const struct calx_region *region, const double x[3], double radius, double push[3])
+static double push_ball(const struct calx_region *region, const double x[3], double radius,
+                        double push[3])
 {
     double out[3] = {0};
     for (uint32_t k = 0; k < region->dimension; k++)
@@ -72,7 +77,8 @@ static bool has_ends(const struct calx_region *region)
     return region->length > 0 && isfinite(region->length);
 }
 
-static double push_cylinder(const struct calx_region *region, const double x[3], double radius, double push[3])
+static double push_cylinder(const struct calx_region *region, const double x[3], double radius,
+                            double push[3])
 {
     double out[3], axis[3], size = sqrt(dot(region->axis, region->axis));
     for (int k = 0; k < 3; k++) {
@@ -91,7 +97,8 @@ static double push_cylinder(const struct calx_region *region, const double x[3],
     return fmax(deepest, overlap);
 }
 
-static double push_nothing(const struct calx_region *region, const double x[3], double radius, double push[3])
+static double push_nothing(const struct calx_region *region, const double x[3], double radius,
+                           double push[3])
 {
     (void)region;
     (void)x;
@@ -100,14 +107,16 @@ static double push_nothing(const struct calx_region *region, const double x[3], 
     return -INFINITY;
 }
 
-static double (*const push_kind[])(const struct calx_region *, const double[3], double, double[3]) = {
+static double (*const push_kind[])(const struct calx_region *, const double[3], double,
+                                   double[3]) = {
     [CALX_REGION_BOX] = push_nothing,
     [CALX_REGION_BALL] = push_ball,
     [CALX_REGION_CYLINDER] = push_cylinder,
     [CALX_REGION_OUTLINE] = push_nothing,
 };
 
-double calx_region_push(const struct calx_region *region, const double x[3], double radius, double push[3])
+double calx_region_push(const struct calx_region *region, const double x[3], double radius,
+                        double push[3])
 {
     double reach = radius + region->clearance;
     double box = push_box(region, x, reach, push);
@@ -133,7 +142,8 @@ static bool clear_of(const double (*edges)[4], size_t count, const double x[3], 
     return true;
 }
 
-/* Where the line y = level crosses an edge, if it does. An end on the line counts for the edge above only. */
+/* Where the line y = level crosses an edge, if it does. An end on the line counts for the edge
+ * above only. */
 static bool crosses(const double edge[4], double level, double *x)
 {
     if ((edge[1] > level) == (edge[3] > level))
@@ -163,7 +173,7 @@ bool calx_region_holds(const struct calx_region *region, const double x[3], doub
     return clear_of(region->obstacles, region->obstacle_count, x, reach);
 }
 
-/* ---- bounds and volume ---------------------------------------------------------------------------------- */
+/* ---- bounds and volume ---- */
 
 /* Cuts low ... high by the extent of the kind. */
 static void cut_by_kind(const struct calx_region *region, double low[3], double high[3])
@@ -175,7 +185,8 @@ static void cut_by_kind(const struct calx_region *region, double low[3], double 
         if (region->kind == CALX_REGION_BALL)
             half = region->radius;
         if (region->kind == CALX_REGION_CYLINDER && (has_ends(region) || across))
-            half = region->radius * sqrt(fmax(0, 1 - a * a)) + (across ? 0 : region->length / 2 * fabs(a));
+            half = region->radius * sqrt(fmax(0, 1 - a * a)) +
+                   (across ? 0 : region->length / 2 * fabs(a));
         low[k] = fmax(low[k], region->centre[k] - half);
         high[k] = fmin(high[k], region->centre[k] + half);
     }
@@ -211,18 +222,21 @@ static const char *find_mistake(const struct calx_region *region)
         return "is a cylinder, which exists in 3D only (a circle is meant)";
     if (round && !(region->radius > 0 && isfinite(region->radius) && isfinite(middle)))
         return "needs a finite centre and a positive radius";
-    if (region->kind == CALX_REGION_CYLINDER && !(dot(region->axis, region->axis) > 0 && region->length >= 0))
+    if (region->kind == CALX_REGION_CYLINDER &&
+        !(dot(region->axis, region->axis) > 0 && region->length >= 0))
         return "needs an axis and a length that is not negative";
     if (!(region->clearance >= 0) || !isfinite(region->clearance))
         return "has a negative clearance";
     if (region->kind == CALX_REGION_OUTLINE && region->edge_count < 3)
         return "has no closed outline";
-    if (!finite_edges(region->edges, region->edge_count) || !finite_edges(region->obstacles, region->obstacle_count))
+    if (!finite_edges(region->edges, region->edge_count) ||
+        !finite_edges(region->obstacles, region->obstacle_count))
         return "has a segment that is not finite";
     return NULL;
 }
 
-int calx_region_bounds(const struct calx_region *region, double low[3], double high[3], struct calx_error *error)
+int calx_region_bounds(const struct calx_region *region, double low[3], double high[3],
+                       struct calx_error *error)
 {
     const char *mistake = find_mistake(region);
     if (mistake)
@@ -232,12 +246,15 @@ int calx_region_bounds(const struct calx_region *region, double low[3], double h
     cut_by_kind(region, low, high);
     for (uint32_t k = 0; k < region->dimension; k++) {
         if (region->periodic[k] && !(isfinite(region->low[k]) && isfinite(region->high[k])))
-            return calx_error_set(error, CALX_ERROR_INPUT, "the region to fill is periodic in %c but has no extent there",
+            return calx_error_set(error, CALX_ERROR_INPUT,
+                                  "the region to fill is periodic in %c but has no extent there",
                                   axis_name[k]);
         if (!isfinite(low[k]) || !isfinite(high[k]))
-            return calx_error_set(error, CALX_ERROR_INPUT, "the region to fill is endless in %c", axis_name[k]);
+            return calx_error_set(error, CALX_ERROR_INPUT, "the region to fill is endless in %c",
+                                  axis_name[k]);
         if (!(high[k] > low[k]))
-            return calx_error_set(error, CALX_ERROR_INPUT, "the region to fill is empty: %c from %g to %g m", axis_name[k],
+            return calx_error_set(error, CALX_ERROR_INPUT,
+                                  "the region to fill is empty: %c from %g to %g m", axis_name[k],
                                   low[k], high[k]);
     }
     if (region->dimension == 2)
@@ -261,7 +278,8 @@ static void cut_quadratic(double pp, double pq, double qq, double r, double span
 
 static void cut_span(const struct calx_region *region, double y, double z, double span[2])
 {
-    double p[3] = {-region->centre[0], y - region->centre[1], z - region->centre[2]}, q[3] = {1, 0, 0};
+    double p[3] = {-region->centre[0], y - region->centre[1], z - region->centre[2]},
+           q[3] = {1, 0, 0};
     if (region->kind == CALX_REGION_CYLINDER) {
         double size = sqrt(dot(region->axis, region->axis)), axis[3];
         for (int k = 0; k < 3; k++)
@@ -288,8 +306,10 @@ static int compare_numbers(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Length of the line at y inside the outlines and between low and high; `room` holds one number per edge. */
-static double length_inside(const struct calx_region *region, double y, double low, double high, double *room)
+/* Length of the line at y inside the outlines and between low and high; `room` holds one number per
+ * edge. */
+static double length_inside(const struct calx_region *region, double y, double low, double high,
+                            double *room)
 {
     size_t count = 0;
     for (size_t e = 0; e < region->edge_count; e++)
@@ -301,31 +321,37 @@ static double length_inside(const struct calx_region *region, double y, double l
     return length;
 }
 
-static double outline_volume(const struct calx_region *region, const double low[3], const double high[3])
+static double outline_volume(const struct calx_region *region, const double low[3],
+                             const double high[3])
 {
     const int lines = 8192;
     double *room = malloc((region->edge_count + 1) * sizeof *room), sum = 0;
     if (!room)
         return NAN;
     for (int i = 0; i < lines; i++)
-        sum += length_inside(region, low[1] + (high[1] - low[1]) * (i + 0.5) / lines, low[0], high[0], room);
+        sum += length_inside(region, low[1] + (high[1] - low[1]) * (i + 0.5) / lines, low[0],
+                             high[0], room);
     free(room);
     return sum * (high[1] - low[1]) / lines;
 }
 
-static double round_volume(const struct calx_region *region, const double low[3], const double high[3])
+static double round_volume(const struct calx_region *region, const double low[3],
+                           const double high[3])
 {
-    const int rows = region->dimension == 2 ? 16384 : 1024, layers = region->dimension == 2 ? 1 : 1024;
+    const int rows = region->dimension == 2 ? 16384 : 1024,
+              layers = region->dimension == 2 ? 1 : 1024;
     double sum = 0;
     for (int j = 0; j < layers; j++) {
         for (int i = 0; i < rows; i++) {
-            double y = low[1] + (high[1] - low[1]) * (i + 0.5) / rows, z = low[2] + (high[2] - low[2]) * (j + 0.5) / layers;
+            double y = low[1] + (high[1] - low[1]) * (i + 0.5) / rows,
+                   z = low[2] + (high[2] - low[2]) * (j + 0.5) / layers;
             double span[2] = {low[0], high[0]};
             cut_span(region, y, region->dimension == 2 ? region->centre[2] : z, span);
             sum += fmax(0, span[1] - span[0]);
         }
     }
-    return sum * (high[1] - low[1]) / rows * (region->dimension == 2 ? 1 : (high[2] - low[2]) / layers);
+    return sum * (high[1] - low[1]) / rows *
+           (region->dimension == 2 ? 1 : (high[2] - low[2]) / layers);
 }
 
 double calx_region_volume(const struct calx_region *region)

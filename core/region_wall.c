@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * The inside of a wall as a region to pack: from the primitives of the wall (core/scene.h), in their pose at the start, to a region.
- * Segments that follow each other bit by bit form chains; closed chains are outlines, open ones obstacles.
+ * The inside of a wall as a region to pack: from the primitives of the wall (core/scene.h), in
+ * their pose at the start, to a region. Segments that follow each other bit by bit form chains;
+ * closed chains are outlines, open ones obstacles.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -18,7 +19,8 @@ static bool joined(const struct calx_primitive *one, const struct calx_primitive
 static size_t chain_end(const struct calx_wall *wall, size_t first)
 {
     size_t i = first;
-    while (i + 1 < wall->primitive_count && joined(&wall->primitives[i], &wall->primitives[i + 1]) &&
+    while (i + 1 < wall->primitive_count &&
+           joined(&wall->primitives[i], &wall->primitives[i + 1]) &&
            !(i > first && joined(&wall->primitives[i], &wall->primitives[first])))
         i++;
     return i + 1;
@@ -73,7 +75,8 @@ static const struct calx_primitive *find_round(const struct calx_wall *wall, siz
     return found;
 }
 
-int calx_region_of_wall(struct calx_region *region, const struct calx_wall *wall, struct calx_error *error)
+int calx_region_of_wall(struct calx_region *region, const struct calx_wall *wall,
+                        struct calx_error *error)
 {
     size_t rounds;
     const struct calx_primitive *p = find_round(wall, &rounds);
@@ -81,7 +84,8 @@ int calx_region_of_wall(struct calx_region *region, const struct calx_wall *wall
     region->edges = malloc((wall->primitive_count + 1) * sizeof *region->edges);
     region->obstacles = malloc((wall->primitive_count + 1) * sizeof *region->obstacles);
     if (!region->edges || !region->obstacles)
-        return calx_error_set(error, CALX_ERROR_MEMORY, "no memory for the inside of wall %s", wall->name);
+        return calx_error_set(error, CALX_ERROR_MEMORY, "no memory for the inside of wall %s",
+                              wall->name);
     add_segments(region, wall);
     if (rounds == 1 && region->edge_count == 0)
         add_round(region, p);
@@ -89,8 +93,10 @@ int calx_region_of_wall(struct calx_region *region, const struct calx_wall *wall
         region->kind = CALX_REGION_OUTLINE;
     else
         return calx_error_set(error, CALX_ERROR_INPUT,
-                              "wall %s does not bound one inside: expected closed chains of segments, or one cylinder or "
-                              "sphere with side=\"inside\"; found %zu segments in closed chains, %zu in open ones and %zu "
+                              "wall %s does not bound one inside: expected closed chains of "
+                              "segments, or one cylinder or "
+                              "sphere with side=\"inside\"; found %zu segments in closed chains, "
+                              "%zu in open ones and %zu "
                               "cylinders or spheres",
                               wall->name, region->edge_count, region->obstacle_count, rounds);
     return CALX_OK;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Reads an SVG file into chains of segments in metres. This file opens it safely (no network, no DTD, no entities, bounded
- * size), finds the size of the page, hands the tree to svg_tree.c and numbers the surfaces. Inputs: path, tolerance,
- * scale, id. Outputs: segments, chains, warnings. Rules: SVG 1.1 (W3C, 2011), section 7.12 on units.
+ * Reads an SVG file into chains of segments in metres. This file opens it safely (no network, no
+ * DTD, no entities, bounded size), finds the size of the page, hands the tree to svg_tree.c and
+ * numbers the surfaces. Inputs: path, tolerance, scale, id. Outputs: segments, chains, warnings.
+ * Rules: SVG 1.1 (W3C, 2011), section 7.12 on units.
  */
 #include "io/svg.h"
 
@@ -43,9 +44,11 @@ static int read_file(const char *path, char **text, size_t *size, struct calx_er
     if (!data)
         code = calx_error_set(error, CALX_ERROR_MEMORY, "no memory to read %s", path);
     else if (failed)
-        code = calx_error_set(error, CALX_ERROR_INPUT, "cannot read %s: %s", path, strerror(number));
+        code =
+            calx_error_set(error, CALX_ERROR_INPUT, "cannot read %s: %s", path, strerror(number));
     else if (length > most_bytes)
-        code = calx_error_set(error, CALX_ERROR_INPUT, "%s is larger than %zu bytes", path, most_bytes);
+        code = calx_error_set(error, CALX_ERROR_INPUT, "%s is larger than %zu bytes", path,
+                              most_bytes);
     if (code)
         free(data);
     *text = data;
@@ -78,13 +81,17 @@ static int parse(const char *path, struct calx_error *error, xmlDoc **document)
         return calx_error_set(error, CALX_ERROR_MEMORY, "no memory to read %s", path);
     }
     parser->sax->entityDecl = refuse_entity;
-    const int options = XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING | XML_PARSE_BIG_LINES;
+    const int options =
+        XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING | XML_PARSE_BIG_LINES;
     *document = xmlCtxtReadMemory(parser, text, (int)size, NULL, NULL, options);
     int code = CALX_OK;
     const xmlError *last = xmlCtxtGetLastError(parser);
-    struct calx_place place = {path, parser->_private && parser->input ? parser->input->line : last ? last->line : 0};
+    struct calx_place place = {path, parser->_private && parser->input ? parser->input->line
+                                     : last                            ? last->line
+                                                                       : 0};
     if (parser->_private)
-        code = calx_error_at(error, CALX_ERROR_INPUT, place, "declares an entity, which is not read: save it as plain SVG");
+        code = calx_error_at(error, CALX_ERROR_INPUT, place,
+                             "declares an entity, which is not read: save it as plain SVG");
     else if (!*document)
         code = calx_error_at(error, CALX_ERROR_INPUT, place, "not well-formed XML: %.*s",
                              last && last->message ? (int)strcspn(last->message, "\n") : 7,
@@ -98,7 +105,7 @@ static int parse(const char *path, struct calx_error *error, xmlDoc **document)
     return code;
 }
 
-/* ---- the page ------------------------------------------------------------------------------------------- */
+/* ---- the page ---- */
 
 struct page {
     double size[2]; /* width and height in px; 0 if not given */
@@ -114,15 +121,17 @@ static int read_page(struct calx_svg_sink *sink, const xmlNode *root, struct pag
         /* a percentage depends on a window: as if absent */
         CALX_TRY(calx_svg_shape_length(sink, root, names[k], 0, 0, &page->size[k]));
         if (page->size[k] < 0)
-            return calx_error_at(sink->error, CALX_ERROR_INPUT, sink->place, "svg: %s is negative", names[k]);
+            return calx_error_at(sink->error, CALX_ERROR_INPUT, sink->place, "svg: %s is negative",
+                                 names[k]);
     }
     char *box = calx_svg_shape_attribute(root, "viewBox");
     page->has_box = box != NULL;
     bool good = !box || calx_svg_text_view_box(box, page->box);
     int code = CALX_OK;
     if (!good)
-        code = calx_error_at(sink->error, CALX_ERROR_INPUT, sink->place,
-                             "viewBox=\"%.60s\": expected four numbers, x y width height, with positive sizes", box);
+        code = calx_error_at(
+            sink->error, CALX_ERROR_INPUT, sink->place,
+            "viewBox=\"%.60s\": expected four numbers, x y width height, with positive sizes", box);
     free(box);
     return code;
 }
@@ -142,7 +151,8 @@ static void page_scale(const struct page *page, const char *aspect, double scale
     s[1] *= y;
 }
 
-/* The matrix from user units to metres about the centre of the page, and the page's size in user units. */
+/* The matrix from user units to metres about the centre of the page, and the page's size in user
+ * units. */
 static int place_page(struct calx_svg_sink *sink, const xmlNode *root, double scale, double view[2])
 {
     struct page page = {0};
@@ -150,7 +160,8 @@ static int place_page(struct calx_svg_sink *sink, const xmlNode *root, double sc
     if (!page.has_box)
         memcpy(page.box + 2, page.size, sizeof page.size);
     if (page.size[0] == 0 && page.size[1] == 0 && scale <= 0)
-        CALX_TRY(calx_svg_style_warn(sink, "no width and height with units: one unit is taken as 1 px = 1/96 inch (give a scale if that is wrong)"));
+        CALX_TRY(calx_svg_style_warn(sink, "no width and height with units: one unit is taken as 1 "
+                                           "px = 1/96 inch (give a scale if that is wrong)"));
     char *aspect = calx_svg_shape_attribute(root, "preserveAspectRatio");
     double s[2];
     page_scale(&page, aspect, scale, s);
@@ -162,12 +173,14 @@ static int place_page(struct calx_svg_sink *sink, const xmlNode *root, double sc
     return CALX_OK;
 }
 
-static int draw(struct calx_svg_sink *sink, const xmlNode *root, const struct calx_svg_options *options)
+static int draw(struct calx_svg_sink *sink, const xmlNode *root,
+                const struct calx_svg_options *options)
 {
     double view[2];
     sink->place.line = root ? (int)xmlGetLineNo(root) : 0;
     if (!root || strcmp((const char *)root->name, "svg") != 0)
-        return calx_error_at(sink->error, CALX_ERROR_INPUT, sink->place, "expected an <svg> element, found <%s>",
+        return calx_error_at(sink->error, CALX_ERROR_INPUT, sink->place,
+                             "expected an <svg> element, found <%s>",
                              root ? (const char *)root->name : "");
     CALX_TRY(place_page(sink, root, options->scale, view));
     CALX_TRY(calx_svg_tree_draw(sink, root, view, options->id));
@@ -182,11 +195,13 @@ static int draw(struct calx_svg_sink *sink, const xmlNode *root, const struct ca
 }
 
 /* Numbers are read in the C locale whatever the program's locale is. */
-static int draw_in_c_locale(struct calx_svg_sink *sink, const xmlNode *root, const struct calx_svg_options *options)
+static int draw_in_c_locale(struct calx_svg_sink *sink, const xmlNode *root,
+                            const struct calx_svg_options *options)
 {
     locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (!plain)
-        return calx_error_set(sink->error, CALX_ERROR_MEMORY, "no memory to read %s", sink->place.file);
+        return calx_error_set(sink->error, CALX_ERROR_MEMORY, "no memory to read %s",
+                              sink->place.file);
     locale_t before = uselocale(plain);
     int code = draw(sink, root, options);
     uselocale(before);
@@ -198,11 +213,14 @@ int calx_svg_read(const char *path, const struct calx_svg_options *options, stru
                   struct calx_error *error)
 {
     *out = (struct calx_svg){0};
-    if (!(options->tolerance > 0) || !isfinite(options->tolerance) || !(options->scale >= 0) || !isfinite(options->scale))
-        return calx_error_set(error, CALX_ERROR_INPUT, "%s: tolerance must be positive and scale not negative", path);
+    if (!(options->tolerance > 0) || !isfinite(options->tolerance) || !(options->scale >= 0) ||
+        !isfinite(options->scale))
+        return calx_error_set(error, CALX_ERROR_INPUT,
+                              "%s: tolerance must be positive and scale not negative", path);
     xmlDoc *document = NULL;
     CALX_TRY(parse(path, error, &document));
-    struct calx_svg_sink sink = {.svg = out, .tolerance = options->tolerance, .place = {path, 0}, .error = error};
+    struct calx_svg_sink sink = {
+        .svg = out, .tolerance = options->tolerance, .place = {path, 0}, .error = error};
     int code = draw_in_c_locale(&sink, xmlDocGetRootElement(document), options);
     free(sink.tangents);
     xmlFreeDoc(document);

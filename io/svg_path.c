@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Path data of SVG: text to lines, cubic Beziers and elliptical arcs in a sink. Grammar and rules: SVG 1.1 (W3C, 2011),
- * section 8.3; arcs from end points to a centre: its appendix F.6.
+ * Path data of SVG: text to lines, cubic Beziers and elliptical arcs in a sink. Grammar and rules:
+ * SVG 1.1 (W3C, 2011), section 8.3; arcs from end points to a centre: its appendix F.6.
  */
 #include <math.h>
 #include <string.h>
@@ -10,7 +10,8 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* The control point of the command before, which S and T mirror: of a cubic, of a quadratic, or none. */
+/* The control point of the command before, which S and T mirror: of a cubic, of a quadratic, or
+ * none. */
 enum handle { HANDLE_NONE, HANDLE_CUBIC, HANDLE_QUADRATIC };
 
 struct pen {
@@ -82,7 +83,8 @@ static int quadratic_to(struct pen *pen, const double handle[2], const double en
     return CALX_OK;
 }
 
-/* The handle of the curve before, mirrored at the present point; that point itself after anything else. */
+/* The handle of the curve before, mirrored at the present point; that point itself after anything
+ * else. */
 static void mirror(const struct pen *pen, enum handle kind, double out[2])
 {
     for (int k = 0; k < 2; k++)
@@ -130,11 +132,13 @@ static int draw_smooth_quadratic(struct pen *pen, const double *v, const double 
 }
 
 /* Appendix F.6.5 and F.6.6: half axes rx, ry (enlarged if they cannot reach), tilt phi, flags. */
-static int arc_to(struct pen *pen, double rx, double ry, double phi, bool large, bool sweep, const double end[2])
+static int arc_to(struct pen *pen, double rx, double ry, double phi, bool large, bool sweep,
+                  const double end[2])
 {
     double c = cos(phi), s = sin(phi);
     double hx = (pen->at[0] - end[0]) / 2, hy = (pen->at[1] - end[1]) / 2;
-    double x = (c * hx + s * hy) / rx, y = (c * hy - s * hx) / ry; /* half the chord on the unit circle */
+    double x = (c * hx + s * hy) / rx,
+           y = (c * hy - s * hx) / ry; /* half the chord on the unit circle */
     double reach = hypot(x, y);
     if (reach > 1) {
         rx *= reach;
@@ -180,9 +184,9 @@ static int draw_close(struct pen *pen, const double *v, const double base[2])
 }
 
 static const struct command {
-    char name; /* in lower case: relative */
-    int count; /* of numbers */
-    unsigned flags; /* bit k: number k is a flag, one digit 0 or 1 */
+    char name;         /* in lower case: relative */
+    int count;         /* of numbers */
+    unsigned flags;    /* bit k: number k is a flag, one digit 0 or 1 */
     enum handle keeps; /* the handle that this command leaves behind */
     draw_function *draw;
 } commands[] = {
@@ -224,7 +228,8 @@ static bool read_numbers(const struct command *command, const char **text, doubl
     return true;
 }
 
-static int draw_command(struct pen *pen, const struct command *command, const double *v, bool relative)
+static int draw_command(struct pen *pen, const struct command *command, const double *v,
+                        bool relative)
 {
     if (pen->closed && command->draw != draw_move) {
         pen->closed = false;
@@ -240,8 +245,8 @@ static int draw_command(struct pen *pen, const struct command *command, const do
 static int fail(const struct pen *pen, const char *data, const char *text, const char *expected)
 {
     return calx_error_at(pen->sink->error, CALX_ERROR_INPUT, pen->sink->place,
-                         "path data: expected %s at character %zu, found \"%.16s\"", expected, (size_t)(text - data) + 1,
-                         text);
+                         "path data: expected %s at character %zu, found \"%.16s\"", expected,
+                         (size_t)(text - data) + 1, text);
 }
 
 /* True if more numbers follow: the command repeats. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * The basic shapes of SVG and the path element: attributes to lines and curves in a sink. Rules: SVG 1.1 (W3C, 2011),
- * chapter 9. Ellipses and round corners go in as exact arcs, not as Beziers.
+ * The basic shapes of SVG and the path element: attributes to lines and curves in a sink. Rules:
+ * SVG 1.1 (W3C, 2011), chapter 9. Ellipses and round corners go in as exact arcs, not as Beziers.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -19,21 +19,23 @@ char *calx_svg_shape_attribute(const xmlNode *node, const char *name)
     return copy;
 }
 
-int calx_svg_shape_length(struct calx_svg_sink *sink, const xmlNode *node, const char *name, double whole,
-                          double missing, double *value)
+int calx_svg_shape_length(struct calx_svg_sink *sink, const xmlNode *node, const char *name,
+                          double whole, double missing, double *value)
 {
     char *text = calx_svg_shape_attribute(node, name);
     *value = missing;
     int code = CALX_OK;
     if (text && strcmp(text, "auto") != 0 && !calx_svg_text_length(text, whole, value))
         code = calx_error_at(sink->error, CALX_ERROR_INPUT, sink->place,
-                             "%s: %s=\"%.40s\": expected a length (a number with px, mm, cm, in, pt, pc, Q, %% or no unit)",
+                             "%s: %s=\"%.40s\": expected a length (a number with px, mm, cm, in, "
+                             "pt, pc, Q, %% or no unit)",
                              (const char *)node->name, name, text);
     free(text);
     return code;
 }
 
-/* What a length attribute is a percentage of: the viewport's width, its height, or the diagonal over sqrt 2. */
+/* What a length attribute is a percentage of: the viewport's width, its height, or the diagonal
+ * over sqrt 2. */
 enum whole { WHOLE_X, WHOLE_Y, WHOLE_DIAGONAL };
 
 struct length {
@@ -48,7 +50,8 @@ static int read_lengths(struct calx_svg_sink *sink, const xmlNode *node, const d
 {
     const double wholes[] = {view[0], view[1], hypot(view[0], view[1]) / sqrt(2)};
     for (size_t i = 0; i < count; i++) {
-        CALX_TRY(calx_svg_shape_length(sink, node, table[i].name, wholes[table[i].whole], table[i].missing, &v[i]));
+        CALX_TRY(calx_svg_shape_length(sink, node, table[i].name, wholes[table[i].whole],
+                                       table[i].missing, &v[i]));
         if (table[i].size && v[i] < 0)
             return calx_error_at(sink->error, CALX_ERROR_INPUT, sink->place, "%s: %s is negative",
                                  (const char *)node->name, table[i].name);
@@ -56,12 +59,15 @@ static int read_lengths(struct calx_svg_sink *sink, const xmlNode *node, const d
     return CALX_OK;
 }
 
-#define READ_LENGTHS(table, v) CALX_TRY(read_lengths(sink, node, view, table, sizeof table / sizeof *table, v))
+#define READ_LENGTHS(table, v)                                                                     \
+    CALX_TRY(read_lengths(sink, node, view, table, sizeof table / sizeof *table, v))
 
 static int draw_line(struct calx_svg_sink *sink, const xmlNode *node, const double view[2])
 {
-    static const struct length table[] = {
-        {"x1", WHOLE_X, false, 0}, {"y1", WHOLE_Y, false, 0}, {"x2", WHOLE_X, false, 0}, {"y2", WHOLE_Y, false, 0}};
+    static const struct length table[] = {{"x1", WHOLE_X, false, 0},
+                                          {"y1", WHOLE_Y, false, 0},
+                                          {"x2", WHOLE_X, false, 0},
+                                          {"y2", WHOLE_Y, false, 0}};
     double v[4];
     READ_LENGTHS(table, v);
     CALX_TRY(calx_svg_flatten_move(sink, v));
@@ -69,12 +75,14 @@ static int draw_line(struct calx_svg_sink *sink, const xmlNode *node, const doub
     return calx_svg_flatten_end(sink, false);
 }
 
-static int draw_whole_ellipse(struct calx_svg_sink *sink, double cx, double cy, double rx, double ry)
+static int draw_whole_ellipse(struct calx_svg_sink *sink, double cx, double cy, double rx,
+                              double ry)
 {
     if (rx == 0 || ry == 0)
         return calx_svg_style_warn(sink, "an ellipse or circle of radius 0 draws nothing");
     CALX_TRY(calx_svg_flatten_move(sink, (double[]){cx + rx, cy}));
-    CALX_TRY(calx_svg_flatten_arc(sink, (double[]){cx, cy}, (double[]){rx, 0}, (double[]){0, ry}, 0, 2 * pi, NULL));
+    CALX_TRY(calx_svg_flatten_arc(sink, (double[]){cx, cy}, (double[]){rx, 0}, (double[]){0, ry}, 0,
+                                  2 * pi, NULL));
     return calx_svg_flatten_end(sink, true);
 }
 
@@ -99,22 +107,25 @@ static int draw_ellipse(struct calx_svg_sink *sink, const xmlNode *node, const d
     return draw_whole_ellipse(sink, v[0], v[1], isnan(rx) ? 0 : rx, isnan(ry) ? 0 : ry);
 }
 
-/* A corner of a rectangle: the line to it, then a quarter turn about (cx, cy) that starts at angle `from`. */
-static int draw_corner(struct calx_svg_sink *sink, double cx, double cy, double rx, double ry, double from)
+/* A corner of a rectangle: the line to it, then a quarter turn about (cx, cy) that starts at angle
+ * `from`. */
+static int draw_corner(struct calx_svg_sink *sink, double cx, double cy, double rx, double ry,
+                       double from)
 {
     const double c = round(cos(from)), s = round(sin(from)); /* a multiple of a right angle */
     const double begin[2] = {cx + rx * c, cy + ry * s}, end[2] = {cx - rx * s, cy + ry * c};
     CALX_TRY(calx_svg_flatten_line(sink, begin));
     if (rx == 0 || ry == 0)
         return CALX_OK;
-    return calx_svg_flatten_arc(sink, (double[]){cx, cy}, (double[]){rx, 0}, (double[]){0, ry}, from, pi / 2, end);
+    return calx_svg_flatten_arc(sink, (double[]){cx, cy}, (double[]){rx, 0}, (double[]){0, ry},
+                                from, pi / 2, end);
 }
 
 static int draw_rect(struct calx_svg_sink *sink, const xmlNode *node, const double view[2])
 {
-    static const struct length table[] = {
-        {"x", WHOLE_X, false, 0},       {"y", WHOLE_Y, false, 0},      {"width", WHOLE_X, true, 0},
-        {"height", WHOLE_Y, true, 0},   {"rx", WHOLE_X, true, NAN},    {"ry", WHOLE_Y, true, NAN}};
+    static const struct length table[] = {{"x", WHOLE_X, false, 0},    {"y", WHOLE_Y, false, 0},
+                                          {"width", WHOLE_X, true, 0}, {"height", WHOLE_Y, true, 0},
+                                          {"rx", WHOLE_X, true, NAN},  {"ry", WHOLE_Y, true, NAN}};
     double v[6];
     READ_LENGTHS(table, v);
     double x = v[0], y = v[1], w = v[2], h = v[3];
@@ -157,7 +168,8 @@ static int draw_points(struct calx_svg_sink *sink, const xmlNode *node, bool clo
     int code = draw_pairs(sink, &text, closed);
     if (code == CALX_OK && *text)
         code = calx_error_at(sink->error, CALX_ERROR_INPUT, sink->place,
-                             "%s: points: expected a pair of numbers, found \"%.16s\"", (const char *)node->name, text);
+                             "%s: points: expected a pair of numbers, found \"%.16s\"",
+                             (const char *)node->name, text);
     free(points);
     return code;
 }
@@ -187,11 +199,13 @@ static const struct shape {
     const char *name;
     int (*draw)(struct calx_svg_sink *sink, const xmlNode *node, const double view[2]);
 } shapes[] = {
-    {"path", draw_path},       {"rect", draw_rect}, {"circle", draw_circle},     {"ellipse", draw_ellipse},
-    {"polygon", draw_polygon}, {"line", draw_line}, {"polyline", draw_polyline},
+    {"path", draw_path},         {"rect", draw_rect},       {"circle", draw_circle},
+    {"ellipse", draw_ellipse},   {"polygon", draw_polygon}, {"line", draw_line},
+    {"polyline", draw_polyline},
 };
 
-int calx_svg_shape_draw(struct calx_svg_sink *sink, const xmlNode *node, const double view[2], bool *known)
+int calx_svg_shape_draw(struct calx_svg_sink *sink, const xmlNode *node, const double view[2],
+                        bool *known)
 {
     for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
         *known = strcmp((const char *)node->name, shapes[i].name) == 0;

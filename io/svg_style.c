@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * What style says about an element of an SVG file: whether it is hidden, and warnings for properties and style sheets that change
- * the drawing in ways that are not read. Properties come from style="..." before attributes. Rules: SVG 1.1 (W3C, 2011), chapter 6.
+ * What style says about an element of an SVG file: whether it is hidden, and warnings for
+ * properties and style sheets that change the drawing in ways that are not read. Properties come
+ * from style="..." before attributes. Rules: SVG 1.1 (W3C, 2011), chapter 6.
  */
 #include <libxml/hash.h>
 #include <stdarg.h>
@@ -30,7 +31,8 @@ int calx_svg_style_warn(struct calx_svg_sink *sink, const char *format, ...)
     if (more)
         svg->warnings = more;
     if (!more || !(warning = malloc(size)))
-        return calx_error_set(sink->error, CALX_ERROR_MEMORY, "no memory for the warnings of %s", sink->place.file);
+        return calx_error_set(sink->error, CALX_ERROR_MEMORY, "no memory for the warnings of %s",
+                              sink->place.file);
     snprintf(warning, size, "%s:%d: %s", sink->place.file, sink->place.line, text);
     for (size_t i = 0; i < svg->warning_count; i++) {
         if (strcmp(svg->warnings[i], warning) == 0) {
@@ -42,14 +44,17 @@ int calx_svg_style_warn(struct calx_svg_sink *sink, const char *format, ...)
     return CALX_OK;
 }
 
-/* The value of a property from style="..." (the last one counts), else from the attribute; NULL if absent; to be freed. */
+/* The value of a property from style="..." (the last one counts), else from the attribute; NULL if
+ * absent; to be freed. */
 static char *property(const xmlNode *node, const char *name)
 {
     char *style = calx_svg_shape_attribute(node, "style"), *value = NULL, *rest = NULL;
     size_t length = strlen(name);
-    for (char *item = style ? strtok_r(style, ";", &rest) : NULL; item; item = strtok_r(NULL, ";", &rest)) {
+    for (char *item = style ? strtok_r(style, ";", &rest) : NULL; item;
+         item = strtok_r(NULL, ";", &rest)) {
         item += strspn(item, " \t\r\n");
-        char *colon = item + length + strspn(item + (strlen(item) < length ? strlen(item) : length), " \t\r\n");
+        char *colon = item + length +
+                      strspn(item + (strlen(item) < length ? strlen(item) : length), " \t\r\n");
         if (strncmp(item, name, length) != 0 || *colon != ':')
             continue;
         colon += 1 + strspn(colon + 1, " \t\r\n");
@@ -101,7 +106,8 @@ int calx_svg_style_check(struct calx_svg_sink *sink, xmlHashTable *by_id, const 
         char *value = property(node, table[i].name);
         int code = CALX_OK;
         if (value && strcmp(value, "none") != 0)
-            code = calx_svg_style_warn(sink, "%s on <%s> %s", table[i].name, (const char *)node->name, table[i].why);
+            code = calx_svg_style_warn(sink, "%s on <%s> %s", table[i].name,
+                                       (const char *)node->name, table[i].why);
         free(value);
         CALX_TRY(code);
     }
@@ -109,9 +115,11 @@ int calx_svg_style_check(struct calx_svg_sink *sink, xmlHashTable *by_id, const 
     const xmlNode *paint = find_paint(by_id, fill);
     int code = CALX_OK;
     if (style && strstr(style, "transform:"))
-        code = calx_svg_style_warn(sink, "transform in style on <%s> is not applied", (const char *)node->name);
+        code = calx_svg_style_warn(sink, "transform in style on <%s> is not applied",
+                                   (const char *)node->name);
     if (!code && paint && strcmp((const char *)paint->name, "pattern") == 0)
-        code = calx_svg_style_warn(sink, "the pattern that fills <%s> is not drawn", (const char *)node->name);
+        code = calx_svg_style_warn(sink, "the pattern that fills <%s> is not drawn",
+                                   (const char *)node->name);
     free(style);
     free(fill);
     return code;
@@ -124,9 +132,10 @@ int calx_svg_style_check_sheet(struct calx_svg_sink *sink, const xmlNode *node)
     int code = CALX_OK;
     for (size_t i = 0; i < sizeof hiding / sizeof *hiding && !code; i++)
         if (text && strstr((const char *)text, hiding[i]))
-            code = calx_svg_style_warn(sink, "the style sheet sets \"%s\", which is not applied: what it hides or moves is read as if it were absent",
-                                      hiding[i]);
+            code = calx_svg_style_warn(sink,
+                                       "the style sheet sets \"%s\", which is not applied: what it "
+                                       "hides or moves is read as if it were absent",
+                                       hiding[i]);
     xmlFree(text);
     return code;
 }
-

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Numbers, lengths, transform lists and view boxes of SVG attributes. Input: attribute text; output: values in user units
- * (1 px = 1/96 inch). Grammar: SVG 1.1 (W3C, 2011), sections 4.2, 7.6, 7.8. The caller sets the C locale (io/svg.c).
+ * Numbers, lengths, transform lists and view boxes of SVG attributes. Input: attribute text;
+ * output: values in user units (1 px = 1/96 inch). Grammar: SVG 1.1 (W3C, 2011),
+ * sections 4.2, 7.6, 7.8. The caller sets the C locale (io/svg.c).
  */
 #include <math.h>
 #include <stdlib.h>
@@ -12,7 +13,8 @@
 static const double pi = 3.14159265358979323846;
 static const double px_per_inch = 96.0;
 
-struct calx_svg_matrix calx_svg_text_compose(struct calx_svg_matrix outer, struct calx_svg_matrix inner)
+struct calx_svg_matrix calx_svg_text_compose(struct calx_svg_matrix outer,
+                                             struct calx_svg_matrix inner)
 {
     return (struct calx_svg_matrix){
         .a = outer.a * inner.a + outer.c * inner.b,
@@ -51,7 +53,8 @@ static const char *skip_digits(const char *s)
     return s;
 }
 
-/* The end of the number that starts at s, or s. strtod alone would also take hexadecimal, inf and nan. */
+/* The end of the number that starts at s, or s. strtod alone would also take hexadecimal, inf and
+ * nan. */
 static const char *number_end(const char *s)
 {
     const char *mantissa = s + (*s == '+' || *s == '-');
@@ -120,7 +123,7 @@ bool calx_svg_text_length(const char *text, double whole, double *value)
     return false;
 }
 
-/* ---- transforms --------------------------------------------------------------------------------------- */
+/* ---- transforms ---- */
 
 static struct calx_svg_matrix make_matrix(const double *v, int count)
 {
@@ -162,9 +165,9 @@ static const struct transform {
     int few, many; /* the two counts of arguments that are allowed */
     struct calx_svg_matrix (*make)(const double *v, int count);
 } transforms[] = {
-    {"matrix", 6, 6, make_matrix},       {"translate", 1, 2, make_translate},
-    {"scale", 1, 2, make_scale},         {"rotate", 1, 3, make_rotate},
-    {"skewX", 1, 1, make_skew_x},        {"skewY", 1, 1, make_skew_y},
+    {"matrix", 6, 6, make_matrix}, {"translate", 1, 2, make_translate},
+    {"scale", 1, 2, make_scale},   {"rotate", 1, 3, make_rotate},
+    {"skewX", 1, 1, make_skew_x},  {"skewY", 1, 1, make_skew_y},
 };
 
 static const struct transform *find_transform(const char **text)
@@ -211,7 +214,7 @@ const char *calx_svg_text_transform(const char *text, struct calx_svg_matrix *ma
     return NULL;
 }
 
-/* ---- viewports ---------------------------------------------------------------------------------------- */
+/* ---- viewports ---- */
 
 bool calx_svg_text_view_box(const char *text, double box[4])
 {
@@ -232,14 +235,18 @@ static double alignment(const char *aspect, const char *min, const char *max)
     return aspect && strstr(aspect, max) ? 1 : 0.5;
 }
 
-struct calx_svg_matrix calx_svg_text_viewport(const double viewport[4], const double box[4], const char *aspect)
+struct calx_svg_matrix calx_svg_text_viewport(const double viewport[4], const double box[4],
+                                              const char *aspect)
 {
     double sx = viewport[2] / box[2], sy = viewport[3] / box[3];
     if (!aspect || !strstr(aspect, "none"))
         sx = sy = aspect && strstr(aspect, "slice") ? fmax(sx, sy) : fmin(sx, sy);
     double free_x = viewport[2] - sx * box[2], free_y = viewport[3] - sy * box[3];
     return (struct calx_svg_matrix){
-        sx, 0, 0, sy,
+        sx,
+        0,
+        0,
+        sy,
         viewport[0] + alignment(aspect, "xMin", "xMax") * free_x - sx * box[0],
         viewport[1] + alignment(aspect, "YMin", "YMax") * free_y - sy * box[1],
     };

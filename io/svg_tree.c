@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * The walk over the elements of an SVG file: groups and layers, transforms, nested viewports, use, what is hidden, and
- * what is not read (a warning each). Input: an XML tree; output: shapes drawn into a sink. Rules: SVG 1.1 (W3C, 2011), chapters
- * 5 and 7. A table says what becomes of each element name.
+ * The walk over the elements of an SVG file: groups and layers, transforms, nested viewports, use,
+ * what is hidden, and what is not read (a warning each). Input: an XML tree; output: shapes drawn
+ * into a sink. Rules: SVG 1.1 (W3C, 2011), chapters 5 and 7. A table says what becomes of each
+ * element name.
  */
 #include <libxml/hash.h>
 #include <stdlib.h>
@@ -10,16 +11,16 @@
 
 #include "io/svg_parts.h"
 
-static const size_t most_nodes = 1000000;  /* visited, each use counting again */
+static const size_t most_nodes = 1000000; /* visited, each use counting again */
 enum { MOST_DEPTH = 200, MOST_IDS = 200 };
 
 struct walk {
     struct calx_svg_sink *sink;
     xmlHashTable *by_id; /* nodes, for use: without a DTD libxml2 knows no ids */
-    const char *id;    /* what to read, or NULL */
-    bool found;        /* it exists */
+    const char *id;      /* what to read, or NULL */
+    bool found;          /* it exists */
     size_t nodes;
-    size_t id_count;   /* for the message when it does not exist */
+    size_t id_count; /* for the message when it does not exist */
     char *ids[MOST_IDS];
 };
 
@@ -29,7 +30,7 @@ struct inherited {
     double view[2]; /* size of the nearest viewport, for percentages */
     bool drawing;   /* inside what `id` names, or id is NULL */
     bool visible;
-    bool copy;      /* reached through use: ids are not matched */
+    bool copy; /* reached through use: ids are not matched */
     int depth;
 };
 
@@ -61,7 +62,7 @@ static const xmlNode *find_id(const struct walk *walk, const char *id)
     return walk->by_id ? xmlHashLookup(walk->by_id, (const xmlChar *)id) : NULL;
 }
 
-/* ---- transforms, viewports, selection ------------------------------------------------------------------ */
+/* ---- transforms, viewports, selection ---- */
 
 static int apply_transform(struct walk *walk, const xmlNode *node, struct inherited *in)
 {
@@ -70,26 +71,32 @@ static int apply_transform(struct walk *walk, const xmlNode *node, struct inheri
     const char *wrong = text ? calx_svg_text_transform(text, &own) : NULL;
     int code = CALX_OK;
     if (wrong)
-        code = calx_error_at(walk->sink->error, CALX_ERROR_INPUT, walk->sink->place, "%s: transform=\"%.60s\": %s",
-                             (const char *)node->name, text, wrong);
+        code = calx_error_at(walk->sink->error, CALX_ERROR_INPUT, walk->sink->place,
+                             "%s: transform=\"%.60s\": %s", (const char *)node->name, text, wrong);
     in->matrix = calx_svg_text_compose(in->matrix, own);
     free(text);
     return code;
 }
 
 /* The viewport of a nested svg, or of a symbol shown by a use (which then gives the sizes). */
-static int apply_viewport(struct walk *walk, const xmlNode *node, const double viewport[4], struct inherited *in)
+static int apply_viewport(struct walk *walk, const xmlNode *node, const double viewport[4],
+                          struct inherited *in)
 {
-    char *text = calx_svg_shape_attribute(node, "viewBox"), *aspect = calx_svg_shape_attribute(node, "preserveAspectRatio");
+    char *text = calx_svg_shape_attribute(node, "viewBox"),
+         *aspect = calx_svg_shape_attribute(node, "preserveAspectRatio");
     double box[4] = {0, 0, viewport[2], viewport[3]};
     int code = CALX_OK;
     if (text && !calx_svg_text_view_box(text, box))
-        code = calx_error_at(walk->sink->error, CALX_ERROR_INPUT, walk->sink->place,
-                             "viewBox=\"%.60s\": expected four numbers, x y width height, with positive sizes", text);
+        code = calx_error_at(
+            walk->sink->error, CALX_ERROR_INPUT, walk->sink->place,
+            "viewBox=\"%.60s\": expected four numbers, x y width height, with positive sizes",
+            text);
     else if (text && viewport[2] > 0 && viewport[3] > 0)
-        in->matrix = calx_svg_text_compose(in->matrix, calx_svg_text_viewport(viewport, box, aspect));
+        in->matrix =
+            calx_svg_text_compose(in->matrix, calx_svg_text_viewport(viewport, box, aspect));
     else
-        in->matrix = calx_svg_text_compose(in->matrix, (struct calx_svg_matrix){1, 0, 0, 1, viewport[0], viewport[1]});
+        in->matrix = calx_svg_text_compose(
+            in->matrix, (struct calx_svg_matrix){1, 0, 0, 1, viewport[0], viewport[1]});
     in->view[0] = box[2];
     in->view[1] = box[3];
     free(text);
@@ -97,7 +104,8 @@ static int apply_viewport(struct walk *walk, const xmlNode *node, const double v
     return code;
 }
 
-static int read_viewport(struct walk *walk, const xmlNode *node, const struct inherited *in, double viewport[4])
+static int read_viewport(struct walk *walk, const xmlNode *node, const struct inherited *in,
+                         double viewport[4])
 {
     struct calx_svg_sink *sink = walk->sink;
     CALX_TRY(calx_svg_shape_length(sink, node, "x", in->view[0], 0, &viewport[0]));
@@ -126,7 +134,7 @@ static void select_node(struct walk *walk, const xmlNode *node, struct inherited
     xmlFree(label);
 }
 
-/* ---- elements ------------------------------------------------------------------------------------------- */
+/* ---- elements ---- */
 
 static int walk_children(struct walk *walk, const xmlNode *node, struct inherited in)
 {
@@ -153,7 +161,8 @@ static char *use_target(const xmlNode *node)
     char *href = calx_svg_shape_attribute(node, "href");
     if (href)
         return href;
-    xmlChar *old = xmlGetNsProp(node, (const xmlChar *)"href", (const xmlChar *)"http://www.w3.org/1999/xlink");
+    xmlChar *old = xmlGetNsProp(node, (const xmlChar *)"href",
+                                (const xmlChar *)"http://www.w3.org/1999/xlink");
     href = old ? strdup((const char *)old) : NULL;
     xmlFree(old);
     return href;
@@ -169,8 +178,9 @@ static int walk_use(struct walk *walk, const xmlNode *node, struct inherited in)
     const xmlNode *target = href && *href == '#' ? find_id(walk, href + 1) : NULL;
     int code = CALX_OK;
     if (!target)
-        code = calx_svg_style_warn(walk->sink, "use of \"%.80s\" is not drawn: no element of this file has that id",
-                                  href ? href : "");
+        code = calx_svg_style_warn(
+            walk->sink, "use of \"%.80s\" is not drawn: no element of this file has that id",
+            href ? href : "");
     free(href);
     if (!target || code)
         return code;
@@ -201,7 +211,9 @@ static int walk_style(struct walk *walk, const xmlNode *node, struct inherited i
 
 static int walk_unsupported(struct walk *walk, const xmlNode *node, struct inherited in)
 {
-    return in.drawing && in.visible ? calx_svg_style_warn(walk->sink, "<%s> is not read", (const char *)node->name) : CALX_OK;
+    return in.drawing && in.visible
+               ? calx_svg_style_warn(walk->sink, "<%s> is not read", (const char *)node->name)
+               : CALX_OK;
 }
 
 /* Inkscape keeps style sheets in defs. */
@@ -217,15 +229,19 @@ static const struct element {
     const char *name;
     int (*walk)(struct walk *walk, const xmlNode *node, struct inherited in);
 } elements[] = {
-    {"g", walk_group},          {"a", walk_group},           {"svg", walk_svg},
-    {"use", walk_use},          {"style", walk_style},       {"defs", walk_defs},
-    {"symbol", walk_nothing},   {"clipPath", walk_nothing},  {"mask", walk_nothing},
-    {"marker", walk_nothing},   {"pattern", walk_nothing},   {"linearGradient", walk_nothing},
-    {"filter", walk_nothing},   {"radialGradient", walk_nothing}, {"title", walk_nothing},
-    {"desc", walk_nothing},     {"metadata", walk_nothing},  {"view", walk_nothing},
+    {"g", walk_group},          {"a", walk_group},
+    {"svg", walk_svg},          {"use", walk_use},
+    {"style", walk_style},      {"defs", walk_defs},
+    {"symbol", walk_nothing},   {"clipPath", walk_nothing},
+    {"mask", walk_nothing},     {"marker", walk_nothing},
+    {"pattern", walk_nothing},  {"linearGradient", walk_nothing},
+    {"filter", walk_nothing},   {"radialGradient", walk_nothing},
+    {"title", walk_nothing},    {"desc", walk_nothing},
+    {"metadata", walk_nothing}, {"view", walk_nothing},
 };
 
-static int draw_shape(struct walk *walk, const xmlNode *node, const struct inherited *in, bool *known)
+static int draw_shape(struct walk *walk, const xmlNode *node, const struct inherited *in,
+                      bool *known)
 {
     struct calx_svg_sink *sink = walk->sink;
     *known = false;
@@ -236,8 +252,10 @@ static int draw_shape(struct walk *walk, const xmlNode *node, const struct inher
     if (!*known)
         return CALX_OK;
     for (const xmlNode *child = node->children; child; child = child->next)
-        if (child->type == XML_ELEMENT_NODE && strncmp((const char *)child->name, "animate", 7) == 0)
-            CALX_TRY(calx_svg_style_warn(sink, "<%s> is not read: shapes do not move by themselves", (const char *)child->name));
+        if (child->type == XML_ELEMENT_NODE &&
+            strncmp((const char *)child->name, "animate", 7) == 0)
+            CALX_TRY(calx_svg_style_warn(sink, "<%s> is not read: shapes do not move by themselves",
+                                         (const char *)child->name));
     return CALX_OK;
 }
 
@@ -266,10 +284,12 @@ static int walk_node(struct walk *walk, const xmlNode *node, struct inherited in
         return CALX_OK;
     sink->place.line = (int)xmlGetLineNo(node);
     if (++walk->nodes > most_nodes)
-        return calx_error_at(sink->error, CALX_ERROR_INPUT, sink->place, "more than %zu elements are drawn", most_nodes);
+        return calx_error_at(sink->error, CALX_ERROR_INPUT, sink->place,
+                             "more than %zu elements are drawn", most_nodes);
     if (++in.depth > MOST_DEPTH)
         return calx_error_at(sink->error, CALX_ERROR_INPUT, sink->place,
-                             "elements are nested deeper than %d, or a use draws itself", MOST_DEPTH);
+                             "elements are nested deeper than %d, or a use draws itself",
+                             MOST_DEPTH);
     bool inside = in.drawing; /* what is asked for by its id is read even if hidden */
     select_node(walk, node, &in);
     if (inside && calx_svg_style_hides(node, &in.visible))
@@ -277,10 +297,12 @@ static int walk_node(struct walk *walk, const xmlNode *node, struct inherited in
     return walk_element(walk, node, in);
 }
 
-int calx_svg_tree_draw(struct calx_svg_sink *sink, const xmlNode *root, const double view[2], const char *id)
+int calx_svg_tree_draw(struct calx_svg_sink *sink, const xmlNode *root, const double view[2],
+                       const char *id)
 {
     struct walk walk = {.sink = sink, .id = id};
-    struct inherited in = {.matrix = sink->matrix, .view = {view[0], view[1]}, .drawing = !id, .visible = true};
+    struct inherited in = {
+        .matrix = sink->matrix, .view = {view[0], view[1]}, .drawing = !id, .visible = true};
     index_ids(&walk, root);
     if (!walk.by_id)
         return calx_error_set(sink->error, CALX_ERROR_MEMORY, "no memory for %s", sink->place.file);
@@ -288,9 +310,10 @@ int calx_svg_tree_draw(struct calx_svg_sink *sink, const xmlNode *root, const do
     xmlHashFree(walk.by_id, NULL);
     if (!code && id && !walk.found) {
         const char *nearest = calx_error_nearest(id, (const char *const *)walk.ids, walk.id_count);
-        code = calx_error_set(sink->error, CALX_ERROR_INPUT, "%s: no element or layer has the id or label \"%s\"%s%s%s",
-                              sink->place.file, id, nearest ? "; did you mean \"" : "", nearest ? nearest : "",
-                              nearest ? "\"?" : "");
+        code = calx_error_set(sink->error, CALX_ERROR_INPUT,
+                              "%s: no element or layer has the id or label \"%s\"%s%s%s",
+                              sink->place.file, id, nearest ? "; did you mean \"" : "",
+                              nearest ? nearest : "", nearest ? "\"?" : "");
     }
     for (size_t i = 0; i < walk.id_count; i++)
         free(walk.ids[i]);
