@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include "io/file.h"
 #include "io/vtk.h"
@@ -40,7 +41,8 @@ struct calx_series {
     char *path;       /* of NAME.pvd */
     const char *name; /* in stem */
     struct calx_output output;
-    bool walls_known; /* the last wall file is of this run, so that "not changed" refers to it */
+    bool walls_known; /* the last wall file is of this run */
+    uLong walls;      /* checksum of what it holds */
     struct list lists[CALX_VTK_PARTS];
 };
 
@@ -317,19 +319,40 @@ const char *calx_series_path(const struct calx_series *s)
 
 static bool wanted(const struct calx_series *s, enum calx_vtk_part part, const struct calx_frame *f)
 {
-    const bool table[CALX_VTK_PARTS] = {[CALX_VTK_PARTICLES] = true,
-                                        [CALX_VTK_WALLS] = f->wall_cells > 0,
-                                        [CALX_VTK_CONTACTS] = s->output.network};
-    return table[part];
+    bool has[CALX_VTK_PARTS] = {true, f->wall_cells > 0, s->output.network};
+    return has[part];
 }
 
-/* Writes the .vtu of a part unless the file before still holds; *number becomes that of the file to
- * list. */
+/* A checksum of all that a wall file holds: forces and temperatures change on walls that stand
+ * still. */
+static uLong sum_walls(const struct calx_frame *f)
+{
+    size_t points = f->wall_points, cells = f->wall_cells;
+    const struct {
+        const void *data;
+        size_t bytes;
+    } columns[] = {
+        {f->wall_position, points * sizeof *f->wall_position},
+        {f->wall_velocity, points * sizeof *f->wall_velocity},
+        {f->wall_cell, cells * sizeof *f->wall_cell},
+        {f->wall_of_cell, cells * sizeof *f->wall_of_cell},
+        {f->wall_temperature, cells * sizeof *f->wall_temperature},
+        {f->wall_force, cells * sizeof *f->wall_force},
+    };
+    uLong sum = crc32_z(0, NULL, 0);
+    for (size_t i = 0; i < sizeof columns / sizeof *columns; i++)
+        if (columns[i].data)
+            sum = crc32_z(sum, columns[i].data, columns[i].bytes);
+    return sum;
+}
+
+/* Writes the .vtu of a part unless the file before still holds; *number: of the file to list. */
 static int write_part(struct calx_series *s, enum calx_vtk_part part, const struct calx_frame *f,
                       unsigned long *number, struct calx_error *e)
 {
     const struct entry *before = last(&s->lists[part]);
-    if (part == CALX_VTK_WALLS && s->walls_known && !f->walls_changed && before) {
+    bool same = s->walls_known && !f->walls_changed && sum_walls(f) == s->walls;
+    if (part == CALX_VTK_WALLS && same && before) {
         *number = before->number;
         return CALX_OK;
     }
@@ -376,5 +399,6 @@ int calx_series_write(struct calx_series *s, const struct calx_frame *f, struct 
         if (wanted(s, (enum calx_vtk_part)p, f))
             CALX_TRY(list_part(s, (enum calx_vtk_part)p, f->time, number[p], e));
     s->walls_known = s->walls_known || f->wall_cells > 0;
+    s->walls = sum_walls(f);
     return CALX_OK;
 }

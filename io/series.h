@@ -23,9 +23,10 @@ struct calx_series *calx_series_resume(const char *folder, const char *name,
                                        const struct calx_output *output, double time,
                                        struct calx_error *);
 
-/* Adds a frame: particles, the walls if it has any (a new file only if they changed), contacts if
- * output.network. A frame with the time of the last one takes its place; an earlier time is
- * CALX_ERROR_IO. Else fails as calx_vtk_write(); what the .pvd files list is then still whole. */
+/* Adds a frame: particles, the walls if it has any (a new file only if anything of them changed),
+ * contacts if output.network. A frame with the time of the last one takes its place; an earlier
+ * time is CALX_ERROR_IO. Else fails as calx_vtk_write(); what the .pvd files list is then still
+ * whole. */
 int calx_series_write(struct calx_series *, const struct calx_frame *, struct calx_error *);
 
 /* Frames in the series (kept ones included). */

@@ -70,23 +70,34 @@ def union(a, b):
     return [min(x, y) if k % 2 == 0 else max(x, y) for k, (x, y) in enumerate(zip(a, b))]
 
 
-def survey(scene, field):
-    """Bounds of grains and walls, range of the field, largest radius, load on the walls at the end: over sampled times."""
-    bounds, low, high, radius = None, float("inf"), float("-inf"), 0.0
+def survey(scene):
+    """Bounds of grains and walls over sampled times, with room for the largest radius; 2D if all z are the same."""
+    bounds, radius = None, 0.0
     for time in sampled(scene.times):
         for source in (scene.grains, scene.walls):
             if source:
                 source.UpdatePipeline(time)
                 bounds = union(bounds, source.GetDataInformation().GetBounds())
-        data = scene.grains.PointData
-        if data["radius"]:
-            radius = max(radius, data["radius"].GetRange()[1])
-        if field and data[field]:
-            component = -1 if data[field].GetNumberOfComponents() > 1 else 0
-            span = data[field].GetRange(component)
-            low, high = min(low, span[0]), max(high, span[1])
+        if scene.grains.PointData["radius"]:
+            radius = max(radius, scene.grains.PointData["radius"].GetRange()[1])
     bounds = bounds or [0.0] * 6
-    return bounds, (low, high) if low <= high else None, radius
+    scene.dimension = 2 if bounds[4] == bounds[5] else 3
+    scene.bounds = [x - radius if k % 2 == 0 else x + radius for k, x in enumerate(bounds)]
+
+
+def span_of(scene, source, attributes, field):
+    """Range of an array (magnitude of vectors) over sampled times, never empty."""
+    low, high = float("inf"), float("-inf")
+    for time in sampled(scene.times):
+        source.UpdatePipeline(time)
+        array = getattr(source, attributes)[field]
+        if array:
+            span = array.GetRange(-1 if array.GetNumberOfComponents() > 1 else 0)
+            low, high = min(low, span[0]), max(high, span[1])
+    if low > high:
+        return 0.0, 1.0
+    margin = max(abs(low) * 5e-4, 1e-12) if high - low <= 1e-9 * abs(low) else 0.0
+    return low - margin, high + margin
 
 
 def choose_color(scene, wanted):
@@ -129,7 +140,7 @@ def show_walls(scene, colored):
         display.ColorArrayName = ["POINTS", ""]
 
 
-def show_contacts(scene, visible):
+def show_contacts(scene, visible, span):
     scene.contacts.UpdatePipeline(scene.times[-1])
     if "normal_force" not in scene.contacts.CellData.keys():
         return
@@ -137,24 +148,24 @@ def show_contacts(scene, visible):
     display.SetRepresentationType("Surface")
     display.LineWidth = 3.0
     simple.ColorBy(display, ("CELLS", "normal_force"))
-    table = simple.GetColorTransferFunction("normal_force")
-    table.ApplyPreset("Inferno (matplotlib)", True)
-    display.Visibility = 1 if visible else 0
+    if visible:
+        set_colors("normal_force", "Inferno (matplotlib)", span or span_of(scene, scene.contacts, "CellData", "normal_force"))
+        show_bar(scene, display, "normal_force", "N")
+    else:
+        simple.Hide(scene.contacts, scene.view)
 
 
-def apply_color(scene, display, field, unit, preset, span):
-    components = scene.grains.PointData[field].GetNumberOfComponents()
-    simple.ColorBy(display, ("POINTS", field) + (("Magnitude",) if components > 1 else ()))
+def set_colors(field, preset, span):
     table = simple.GetColorTransferFunction(field)
     table.ApplyPreset(preset, True)
     table.NanColor = GRAY
     table.AutomaticRescaleRangeMode = "Never"  # the same colour means the same number in every frame
-    if span:
-        width = span[1] - span[0]
-        margin = 0.0 if width > 1e-9 * abs(span[0]) and width > 0 else 0.5 * max(abs(span[0]) * 1e-3, 1e-12)
-        table.RescaleTransferFunction(span[0] - margin, span[1] + margin)
+    table.RescaleTransferFunction(*span)
+
+
+def show_bar(scene, display, field, unit):
     display.SetScalarBarVisibility(scene.view, True)
-    bar = simple.GetScalarBar(table, scene.view)
+    bar = simple.GetScalarBar(simple.GetColorTransferFunction(field), scene.view)
     bar.Title = field + (" [%s]" % unit if unit else "")
     bar.ComponentTitle = ""
     bar.TitleColor = bar.LabelColor = INK
@@ -165,6 +176,13 @@ def apply_color(scene, display, field, unit, preset, span):
     bar.ScalarBarLength = 0.5
     bar.HorizontalTitle = 1
     bar.RangeLabelFormat = "%-#.4g"
+
+
+def color_grains(scene, display, field, unit, preset, span):
+    components = scene.grains.PointData[field].GetNumberOfComponents()
+    simple.ColorBy(display, ("POINTS", field) + (("Magnitude",) if components > 1 else ()))
+    set_colors(field, preset, span or span_of(scene, scene.grains, "PointData", field))
+    show_bar(scene, display, field, unit)
 
 
 def show_time(scene):
@@ -280,24 +298,24 @@ def build(pvd, color=None, span=None, contacts=False, up=None, size=None):
     walls, network = companion(pvd, "_walls"), companion(pvd, "_contacts")
     scene.walls = open_series(walls, "walls") if walls else None
     scene.contacts = open_series(network, "contacts") if network else None
-    chosen = choose_color(scene, color)
-    scene.color = chosen[0] if chosen else None
-    bounds, found, radius = survey(scene, scene.color)
-    scene.dimension = 2 if bounds[4] == bounds[5] else 3
-    scene.bounds = [x - radius if k % 2 == 0 else x + radius for k, x in enumerate(bounds)]
+    survey(scene)
     simple.GetAnimationScene().UpdateAnimationUsingDataTimeSteps()
     set_time(scene, scene.times[-1])  # at the start there may be no contacts, and then no range for their colours
+    through = contacts and scene.contacts is not None
+    chosen = None if through else choose_color(scene, color)
+    scene.color = chosen[0] if chosen else None
     if scene.walls:  # before the grains: ColorBy() fits the colours to what was shown last
-        has_temperature = "temperature" in scene.walls.CellData.keys()
-        show_walls(scene, has_temperature and scene.color == "temperature")
+        show_walls(scene, scene.color == "temperature" and "temperature" in scene.walls.CellData.keys())
     if scene.contacts:
-        show_contacts(scene, contacts)
+        show_contacts(scene, contacts, span)
     display = show_grains(scene)
     if chosen:
-        apply_color(scene, display, *chosen, span or found)
+        color_grains(scene, display, *chosen, span)
+    if through:
+        display.ColorArrayName = ["POINTS", ""]
+        display.AmbientColor = display.DiffuseColor = GRAY
+        display.Opacity = 0.2
     show_time(scene)
-    if contacts and scene.contacts:
-        display.Opacity = 0.25
     set_time(scene, scene.times[0])
     place_camera(scene, size or scene.view.ViewSize, up)
     return scene

@@ -160,6 +160,30 @@ START_TEST(test_series)
 }
 END_TEST
 
+/* Whatever a wall file holds: a change of it makes a new file, though the frame says that nothing
+ * moved. */
+START_TEST(test_walls_that_stand)
+{
+    double *const changing[] = {&wall_force[1][2], &wall_temperature[2], &wall_velocity[3][0],
+                                &wall_position[5][1]};
+    struct calx_series *s = calx_series_create(folder, "a", &plain, &error);
+    struct calx_frame f = frame_of(3, 0);
+    f.walls_changed = false;
+    for (size_t i = 0; i < 4; i++) {
+        ck_assert_int_eq(calx_series_write(s, &f, &error), CALX_OK);
+        f.time += 0.5;
+        ck_assert_int_eq(calx_series_write(s, &f, &error), CALX_OK);
+        f.time += 0.5;
+        *changing[i] += 1e-9;
+    }
+    calx_series_free(s);
+    expect_pvd("a_walls.pvd", 8, (const double[]){0, 0.5, 1, 1.5, 2, 2.5, 3, 3.5},
+               (const char *[]){"a_walls_000000.vtu", "a_walls_000000.vtu", "a_walls_000002.vtu",
+                                "a_walls_000002.vtu", "a_walls_000004.vtu", "a_walls_000004.vtu",
+                                "a_walls_000006.vtu", "a_walls_000006.vtu"});
+}
+END_TEST
+
 START_TEST(test_series_without_walls_and_contacts)
 {
     struct calx_output output = {.fields = CALX_FIELD_ALL, .compression = 6};
@@ -293,6 +317,7 @@ int main(void)
     tcase_add_loop_test(tests, test_damaged_series, 0, COUNT(damaged));
     tcase_add_test(tests, test_backwards);
     tcase_add_test(tests, test_series);
+    tcase_add_test(tests, test_walls_that_stand);
     tcase_add_test(tests, test_series_without_walls_and_contacts);
     tcase_add_test(tests, test_same_time_replaces);
     tcase_add_test(tests, test_resume);
