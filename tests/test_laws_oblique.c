@@ -8,6 +8,9 @@
 
 #include "tests/model.h"
 
+/* A few operations on numbers up to 1. */
+static const double ROUND_OFF = 1e-15;
+
 /* ---- oblique impacts on a rigid plane ---- */
 
 struct bounce {
@@ -164,6 +167,38 @@ START_TEST(test_bounce_books)
 }
 END_TEST
 
+/* While it sticks the damper sees the whole velocity; when it slips, spring and damper share the
+ * limit as one that moves with them; at rest only the spring is left. With the damper beside the
+ * slider the spring alone is limited. */
+START_TEST(test_damped_friction)
+{
+    static const struct {
+        const char *values;
+        double v, during, after; /* m/s; N, with k dt = 0.8 and c = 0.5 N s/m, mu fn = 0.2 N */
+    } rows[] = {
+        {"stiffness=8e4 friction=0.2 damping=0.5", 0.1, -0.13, -0.08},
+        {"stiffness=8e4 friction=0.2 damping=0.5", 1, -0.2, -0.2 * 0.8 / 1.3},
+        {"stiffness=8e4 friction=0.2 damping=0.5 cap=1", 0.1, -0.13, -0.08},
+        {"stiffness=8e4 friction=0.2 damping=0.5 cap=1", 1, -0.7, -0.2},
+        {"stiffness=8e4 friction=0.2 damping-rate=500", 0.1, -0.13, -0.08},
+        {"stiffness=8e4 friction=0.2", 1, -0.2, -0.2},
+    };
+    struct model normal, tangential;
+    struct contact c;
+    model_open(&normal, CALX_CONTACT, "linear", &spheres, "stiffness=1e5");
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        model_open(&tangential, CALX_CONTACT, "coulomb", &spheres, rows[k].values);
+        contact_begin(&c, 1e-5, 1e3, 200, 300);
+        c.overlap[0] = 1e-5, c.vt[0][0] = rows[k].v;
+        contact_force(&c, &normal, &tangential);
+        ck_assert_double_eq_tol(c.ft[0][0], rows[k].during, ROUND_OFF);
+        c.vt[0][0] = 0;
+        contact_force(&c, &normal, &tangential);
+        ck_assert_double_eq_tol(c.ft[0][0], rows[k].after, ROUND_OFF);
+    }
+}
+END_TEST
+
 /* Force-increment history: at fixed displacement the tangential force stays while the overlap
  * changes. */
 START_TEST(test_mindlin_keeps_force)
@@ -197,6 +232,7 @@ int main(void)
     tcase_add_test(t, test_gross_sliding);
     tcase_add_test(t, test_no_impact_gains_energy);
     tcase_add_test(t, test_bounce_books);
+    tcase_add_test(t, test_damped_friction);
     tcase_add_test(t, test_mindlin_keeps_force);
     suite_add_tcase(s, t);
     SRunner *r = srunner_create(s);
