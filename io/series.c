@@ -31,9 +31,8 @@ struct entry {
 };
 
 struct list {
-    struct entry *entries; /* times and numbers never fall */
-    size_t count, capacity;
-    size_t stale; /* entries after `count` that were listed and are no more */
+    struct entry *entries;         /* times and numbers never fall */
+    size_t count, capacity, stale; /* stale: entries after `count` that are listed no more */
 };
 
 struct calx_series {
@@ -54,8 +53,7 @@ static int no_memory(const struct calx_series *s, struct calx_error *e)
                           s && s->stem ? s->stem : "");
 }
 
-/* Name of a .vtu with `start` (stem or name) before it, or of the .pvd if number is NULL. The
- * caller frees it; NULL without memory. */
+/* START_NUMBER.vtu, or START.pvd if number is NULL. The caller frees it; NULL without memory. */
 static char *name_of(const char *start, enum calx_vtk_part part, const unsigned long *number)
 {
     char *text = NULL;
@@ -242,9 +240,7 @@ static int take_over(struct calx_series *s, enum calx_vtk_part part, double time
         struct list *l = &s->lists[part];
         cut(l, time);
         if (!good && !fresh)
-            code = calx_error_set(
-                e, CALX_ERROR_IO,
-                "%s is damaged or not of this run: move it away to resume without it", path);
+            code = calx_error_set(e, CALX_ERROR_IO, "%s is damaged: move it away to resume", path);
         else if (fresh && unlink(path))
             code = calx_error_set(e, CALX_ERROR_IO, "cannot remove %s of the run before: %s", path,
                                   strerror(errno));

@@ -128,15 +128,26 @@ START_TEST(test_missing)
 }
 END_TEST
 
-/* Every single flipped bit, and thousands of random cuts and overwritten stretches: always a clean
- * error. */
+/* Puts the bytes into a new file: ext4 brings one that is truncated to the disk at once, which takes
+ * longer than all the rest. */
+static void replace(const char *path, const unsigned char *data, size_t size)
+{
+    unlink(path);
+    FILE *f = fopen(path, "wb");
+    if (!f || fwrite(data, 1, size, f) != size)
+        abort();
+    fclose(f);
+}
+
+/* A flipped bit in every byte, and random cuts and overwritten stretches: always a clean error. */
 START_TEST(test_fuzz)
 {
-    enum { TRIES = 3000, LONGEST = 32 };
-    size_t size;
+    enum { TRIES = 2000, LONGEST = 32 };
+    size_t size, wrongly_read = 0, unnamed = 0;
     struct calx_restart r;
     write_blocks();
     unsigned char *data = load(&size), *copy = malloc(size);
+    const char *path = in_folder("a.restart");
     srand(11);
     for (size_t i = 0; i < size + TRIES; i++) {
         size_t length = size;
@@ -151,11 +162,15 @@ START_TEST(test_fuzz)
                 copy[at] = (unsigned char)rand();
         }
         bool same = length == size && !memcmp(copy, data, size);
-        save(copy, length);
-        ck_assert_int_eq(read_back(&r), same ? CALX_OK : CALX_ERROR_INPUT);
-        ck_assert(same || error.text[0]);
+        replace(path, copy, length);
+        error = (struct calx_error){0};
+        int code = calx_restart_read(path, this_case, &r, &error);
+        wrongly_read += code != (same ? CALX_OK : CALX_ERROR_INPUT);
+        unnamed += !same && !error.text[0];
         calx_restart_clear(&r);
     }
+    ck_assert_uint_eq(wrongly_read, 0);
+    ck_assert_uint_eq(unnamed, 0);
     free(copy);
     free(data);
 }
