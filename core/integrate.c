@@ -92,28 +92,23 @@ static void accelerate(struct calx_sim *s, struct calx_row_block *b)
     s->tallies[b - s->blocks].finite = finite;
 }
 
-void calx_integrate_collect(struct calx_sim *s)
+static void after(struct calx_sim *s, const struct calx_row_block *b, size_t stage)
 {
-#pragma omp parallel for schedule(static) num_threads(s->team) if (s->team > 1)
-    for (size_t b = 0; b < s->block_count; b++) {
-        collect_ghosts(s, &s->blocks[b]);
-        accelerate(s, &s->blocks[b]);
+    const struct calx_motion_integrator *law = s->plan->motion_law;
+    double *extra[CALX_EXTRA_MAX];
+    struct calx_rows rows = translation_rows(s, b, extra);
+    if (law->translation[stage].after)
+        law->translation[stage].after(s->plan->motion_params, &rows);
+    if (s->features.rotation && law->rotation[stage].after) {
+        rows = rotation_rows(s, b, extra);
+        law->rotation[stage].after(s->plan->motion_params, &rows);
     }
 }
 
-void calx_integrate_after(struct calx_sim *s, size_t stage)
+void calx_integrate_finish(struct calx_sim *s, size_t block, int stage)
 {
-    const struct calx_motion_integrator *law = s->plan->motion_law;
-    const void *params = s->plan->motion_params;
-#pragma omp parallel for schedule(static) num_threads(s->team) if (s->team > 1)
-    for (size_t b = 0; b < s->block_count; b++) {
-        double *extra[CALX_EXTRA_MAX];
-        struct calx_rows rows = translation_rows(s, &s->blocks[b], extra);
-        if (law->translation[stage].after)
-            law->translation[stage].after(params, &rows);
-        if (s->features.rotation && law->rotation[stage].after) {
-            rows = rotation_rows(s, &s->blocks[b], extra);
-            law->rotation[stage].after(params, &rows);
-        }
-    }
+    collect_ghosts(s, &s->blocks[block]);
+    accelerate(s, &s->blocks[block]);
+    if (stage >= 0)
+        after(s, &s->blocks[block], (size_t)stage);
 }

@@ -173,14 +173,17 @@ static int list_contributions(struct calx_rebuild *r)
     for (size_t b = 0; !failed && b < r->blocks; b++) {
         r->new_blocks[b].collect_first = at[b];
         r->new_blocks[b].collect_count = at[b + 1];
+        r->new_blocks[b].earliest = b;
         at[b + 1] += at[b];
     }
     for (size_t b = 0; !failed && b < r->blocks; b++)
         for (size_t g = 0; g < r->local[b].ghosts; g++) {
             int32_t row = r->new_blocks[b].first + r->new_blocks[b].own + (int32_t)g;
             size_t to = at[(size_t)r->local[b].ghost[g] / CALX_BLOCK]++;
+            struct calx_row_block *target = &r->new_blocks[(size_t)r->local[b].ghost[g] / CALX_BLOCK];
             s->collect_to[to] = r->rows.source[row];
             s->collect_from[to] = row;
+            target->earliest = b < target->earliest ? b : target->earliest;
         }
     free(at);
     return failed;
@@ -230,6 +233,7 @@ static void clear(struct calx_rebuild *r, size_t lists)
             free(r->local[b].ghost);
             free(r->local[b].ghost_shift);
             free(r->local[b].type_count);
+            free(r->local[b].touching_count);
         }
     }
     calx_rows_free(&r->rows);

@@ -12,7 +12,7 @@
 struct calx_local {
     size_t pairs, ghosts, ghost_capacity;
     int32_t *i, *j;
-    size_t *type_count;  /* per pair type */
+    size_t *type_count, *touching_count; /* per pair type */
     int32_t *ghost;      /* place in the order, of each ghost */
     uint8_t *ghost_shift;
 };

@@ -72,6 +72,7 @@ struct calx_row_block {
     int32_t first, own, ghosts;
     size_t group_first, group_count;
     size_t collect_first, collect_count; /* contributions from earlier blocks' ghosts */
+    size_t earliest;                     /* the first block that contributes, or the block itself */
     size_t near_first, near_count;       /* particle-wall candidates */
     size_t wall_count, wall_next;        /* wall contacts alive, in wall_contacts[near_first...]; of the evaluation under way */
 };
@@ -256,8 +257,9 @@ void calx_surface_nearest(const struct calx_primitive *, uint32_t dimension, con
 
 /* integrate.c */
 void calx_integrate_before(struct calx_sim *, size_t stage);
-void calx_integrate_collect(struct calx_sim *); /* ghosts' forces to their particles, forces to accelerations */
-void calx_integrate_after(struct calx_sim *, size_t stage);
+/* Of one block, once every block that adds to it has its forces: ghosts' forces to their particles, forces to accelerations, and the stage's
+ * kernel after the evaluation (stage < 0: none). */
+void calx_integrate_finish(struct calx_sim *, size_t block, int stage);
 
 /* heat.c */
 int calx_heat_step(struct calx_sim *, struct calx_error *); /* after the forces of step s->stage_step */
@@ -272,7 +274,9 @@ int calx_guard_step(struct calx_sim *, struct calx_error *);
 int calx_guard_left(const struct calx_sim *, int32_t row, int axis, struct calx_error *);
 
 /* step.c */
-int calx_step_forces(struct calx_sim *, double dt, bool heat_step, struct calx_error *);
+/* All forces at the present positions, then accelerations and the stage's kernel after (stage < 0: none). dt: of the step that ends
+ * here, 0 if none does. */
+int calx_step_forces(struct calx_sim *, double dt, bool conduct, int stage, struct calx_error *);
 int calx_step_begin_stage(struct calx_sim *, int stage, struct calx_error *);
 
 /* The row a frame or message calls particle `id`. */

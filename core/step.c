@@ -3,6 +3,7 @@
  * One time step, as the algorithm reads. A global integrator would drive these same services itself.
  */
 #include <math.h>
+#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -25,16 +26,34 @@ static void swap_wall_contacts(struct calx_sim *s)
     }
 }
 
-int calx_step_forces(struct calx_sim *s, double dt, bool conduct, struct calx_error *e)
+/* Each thread takes a run of blocks in order. A block is finished while it is in cache, as soon as the blocks that add to it are done; those
+ * that wait for another thread's blocks come after the barrier. Nobody reads a block's rows once the blocks that add to it are
+ * done: they are the ones that keep copies of it. */
+static void sweep(struct calx_sim *s, double dt, bool conduct, int stage)
+{
+#pragma omp parallel num_threads(s->team) if (s->team > 1)
+    {
+        size_t team = (size_t)omp_get_num_threads(), me = (size_t)omp_get_thread_num();
+        size_t first = s->block_count * me / team, last = s->block_count * (me + 1) / team;
+        for (size_t b = first; b < last; b++) {
+            s->engine->block_forces(s, b, dt, conduct);
+            if (s->blocks[b].earliest >= first)
+                calx_integrate_finish(s, b, stage);
+        }
+#pragma omp barrier
+        for (size_t b = first; b < last; b++)
+            if (s->blocks[b].earliest < first)
+                calx_integrate_finish(s, b, stage);
+    }
+}
+
+int calx_step_forces(struct calx_sim *s, double dt, bool conduct, int stage, struct calx_error *e)
 {
     if (calx_neighbours_stale(s))
         CALX_TRY(calx_neighbours_build(s, e));
-#pragma omp parallel for schedule(dynamic, 1) num_threads(s->team) if (s->team > 1)
-    for (size_t b = 0; b < s->block_count; b++)
-        s->engine->block_forces(s, b, dt, conduct);
+    sweep(s, dt, conduct, stage);
     if (s->features.wall_contacts)
         swap_wall_contacts(s);
-    calx_integrate_collect(s);
     return 0;
 }
 
@@ -73,10 +92,9 @@ static int advance_motion(struct calx_sim *s, double t, struct calx_error *e)
         calx_integrate_before(s, stage);
         if (stage == 0)
             calx_walls_move(s, t, dt);
-        CALX_TRY(calx_step_forces(s, stage == 0 ? dt : 0.0, heat_due(s), e));
+        CALX_TRY(calx_step_forces(s, stage == 0 ? dt : 0.0, heat_due(s), (int)stage, e));
         if (stage == 0)
             calx_ledger_step(s, dt);
-        calx_integrate_after(s, stage);
     }
     return 0;
 }
@@ -85,7 +103,7 @@ static int advance_motion(struct calx_sim *s, double t, struct calx_error *e)
 static int advance_frozen(struct calx_sim *s, double t, struct calx_error *e)
 {
     calx_walls_move(s, t, s->plan->dt);
-    CALX_TRY(calx_step_forces(s, 0.0, heat_due(s), e));
+    CALX_TRY(calx_step_forces(s, 0.0, heat_due(s), -1, e));
     return 0;
 }
 
@@ -128,7 +146,7 @@ static int change_models(struct calx_sim *s, const struct calx_plan *plan, struc
     s->built = false;
     if (!s->pairs.history)
         return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for contact history");
-    CALX_TRY(calx_step_forces(s, 0.0, false, e));
+    CALX_TRY(calx_step_forces(s, 0.0, false, -1, e));
     s->outside_work += calx_ledger_mechanical(s) - before;
     return 0;
 }
