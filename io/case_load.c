@@ -8,7 +8,9 @@
 #include "io/case_load.h"
 
 #include <errno.h>
+#include <libxml/SAX2.h>
 #include <libxml/parser.h>
+#include <limits.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -92,6 +94,23 @@ static void refuse_document_type(void *context, const xmlChar *name, const xmlCh
     xmlStopParser(parser);
 }
 
+/* libxml2 notes the line where a start tag ends; people look where it begins. Inside a tag there is
+ * no other '<'. */
+static void start_element(void *context, const xmlChar *name, const xmlChar *prefix,
+                          const xmlChar *uri, int namespaces, const xmlChar **namespace,
+                          int attributes, int defaulted, const xmlChar **attribute)
+{
+    xmlParserCtxt *parser = context;
+    unsigned short lines = 0;
+    xmlSAX2StartElementNs(context, name, prefix, uri, namespaces, namespace, attributes, defaulted,
+                          attribute);
+    const xmlChar *c = parser->input->cur;
+    while (c > parser->input->base && *c != '<')
+        lines = (unsigned short)(lines + (*--c == '\n'));
+    if (*c == '<' && parser->node && parser->node->line > lines && parser->node->line < USHRT_MAX)
+        parser->node->line = (unsigned short)(parser->node->line - lines);
+}
+
 /* Only the first error counts: the others follow from it. */
 static void note_error(void *context, xmlError *error)
 {
@@ -113,6 +132,7 @@ static xmlDoc *parse(struct load *load, const char *text, size_t size)
     }
     parser->_private = load;
     parser->sax->internalSubset = refuse_document_type;
+    parser->sax->startElementNs = start_element;
     parser->sax->serror = (xmlStructuredErrorFunc)note_error;
     xmlDoc *document = xmlCtxtReadMemory(parser, text, (int)size, load->file, NULL,
                                          XML_PARSE_NONET | XML_PARSE_NOCDATA | XML_PARSE_BIG_LINES |

@@ -3,6 +3,8 @@
  * The case reader on bad input: one mistake at a time with the line and the words of its message,
  * all mistakes of a file in one go, and hostile files.
  */
+#include <limits.h>
+
 #include "tests/case_files.h"
 
 /* ---- one mistake at a time
@@ -151,6 +153,21 @@ START_TEST(test_all_mistakes_in_one_go)
 }
 END_TEST
 
+/* A tag over several lines has the line where it begins; behind 70000 lines too. */
+START_TEST(test_lines)
+{
+    static char text[80000] = "<case";
+    read_text("<case\n dimension='2'\n foo='1'\n>\n<matter\n name='a'\n b='2'/></case>");
+    ck_assert_int_eq(problems.list[0].line, 1);
+    ck_assert_int_eq(problems.list[problems.count - 1].line, 5);
+    calx_problems_clear(&problems);
+    memset(text + 5, '\n', 70000);
+    strcat(text, ">\n<matter/></case>");
+    read_text(text);
+    ck_assert_int_ge(problems.list[problems.count - 1].line, USHRT_MAX);
+}
+END_TEST
+
 START_TEST(test_printed_form)
 {
     char *text = NULL, expected[600];
@@ -211,8 +228,8 @@ END_TEST
 
 #define LAUGHS(n, m)                                                                               \
     "<!ENTITY l" #n " \"&l" #m ";&l" #m ";&l" #m ";&l" #m ";&l" #m ";&l" #m ";&l" #m ";&l" #m ";"  \
-                                                                                              "\"" \
-                                                                                              ">"
+    "\""                                                                                           \
+    ">"
 
 static const struct {
     const char *text;
@@ -333,6 +350,7 @@ static void add_tests(TCase *cases)
     tcase_add_test(cases, test_mistake_is_told_once);
     tcase_add_test(cases, test_all_mistakes_in_one_go);
     tcase_add_test(cases, test_printed_form);
+    tcase_add_test(cases, test_lines);
     tcase_add_test(cases, test_no_mistake);
 }
 
