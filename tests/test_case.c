@@ -16,7 +16,7 @@
 
 /* Quantities are at most three roundings from their values. */
 #define ROUNDING 1e-15
-#define EQUAL(a, b) ck_assert_double_eq_tol(a, b, ROUNDING *(1 + fabs(b)))
+#define EQUAL(a, b) ck_assert_double_eq_tol(a, b, ROUNDING *(1 + fabs((double)(b))))
 
 static double at_time(const struct calx_function *f, double t)
 {
