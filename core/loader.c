@@ -26,6 +26,7 @@
 static const struct {
     const char *prefix, *name;
 } kinds[] = {
+    [0] = {"", "unknown kind"},
     [CALX_CONTACT] = {"contact", "contact"},
     [CALX_CONDUCTANCE] = {"conductance", "conductance"},
     [CALX_MOTION] = {"motion", "integrator (motion)"},
@@ -46,7 +47,7 @@ struct calx_registry {
 
 const char *calx_kind_name(enum calx_kind kind)
 {
-    return kind >= CALX_CONTACT && kind <= CALX_TEMPERATURE ? kinds[kind].name : "unknown kind";
+    return kinds[kind <= CALX_TEMPERATURE ? kind : 0].name;
 }
 
 /* ---- folders ---- */
@@ -349,6 +350,7 @@ static int registry_locate(const struct calx_registry *r, enum calx_kind kind, c
 const struct calx_plugin *calx_registry_find(struct calx_registry *r, enum calx_kind kind,
                                              const char *name, struct calx_error *error)
 {
+    name = name ? name : "";
     for (size_t k = 0; k < r->loaded_count; k++)
         if (r->loaded[k].plugin->kind == kind && strcmp(r->loaded[k].plugin->name, name) == 0)
             return r->loaded[k].plugin;
