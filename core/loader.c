@@ -273,7 +273,6 @@ static void folder_visit(const char *folder,
 }
 
 enum { NAMES_MAX = 256 };
-
 struct names {
     enum calx_kind kind;
     size_t count;
