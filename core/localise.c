@@ -138,7 +138,7 @@ static int localise_block(const struct calx_rebuild *r, size_t block)
 int calx_localise(struct calx_rebuild *r)
 {
     int failed = 0;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(r->sim->threads) reduction(| : failed)
+#pragma omp parallel for schedule(dynamic, 1) num_threads(r->sim->team) if (r->sim->team > 1) reduction(| : failed)
     for (size_t b = 0; b < r->blocks; b++)
         failed |= localise_block(r, b);
     return failed;

@@ -175,7 +175,7 @@ int calx_near_build(struct calx_sim *s, const struct calx_rebuild *r)
     if (!lists)
         return 1;
     int failed = 0;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(s->threads) reduction(| : failed)
+#pragma omp parallel for schedule(dynamic, 1) num_threads(s->team) if (s->team > 1) reduction(| : failed)
     for (size_t b = 0; b < s->block_count; b++)
         failed |= block_near(s, b, &lists[b]);
     failed = failed || join(s, lists) ||

@@ -76,7 +76,7 @@ static int find_pairs(struct calx_rebuild *r)
 {
     const struct calx_sim *s = r->sim;
     struct calx_pairs_input in = {.x = r->x, .n = r->n, .block = CALX_BLOCK, .skin = s->skin + s->plan->gap,
-                                  .dimension = s->scene->dimension, .threads = s->threads};
+                                  .dimension = s->scene->dimension, .threads = s->team};
     for (int k = 0; k < 3; k++) {
         in.periodic[k] = s->scene->periodic[k];
         in.low[k] = s->scene->low[k];
@@ -151,7 +151,7 @@ static int lay_out(struct calx_rebuild *r)
     size_t rows = number_blocks(r);
     if (calx_rows_allocate(r->sim, &r->rows, rows) || allocate_pairs(r) || calx_keep_collect(r))
         return 1;
-#pragma omp parallel for schedule(static) num_threads(r->sim->threads)
+#pragma omp parallel for schedule(static) num_threads(r->sim->team) if (r->sim->team > 1)
     for (size_t b = 0; b < r->blocks; b++)
         lay_block(r, b);
     return 0;
@@ -282,13 +282,13 @@ int calx_neighbours_build(struct calx_sim *s, struct calx_error *e)
     struct calx_rebuild r = {.sim = s, .n = s->n, .blocks = (s->n + CALX_BLOCK - 1) / CALX_BLOCK,
                              .types = s->scene->material_count * s->scene->material_count};
     size_t lists = r.blocks;
+    calx_neighbours_team(s);
     int failed = prepare(&r);
     failed = failed || sort_rows(&r) || (s->features.search && find_pairs(&r));
     failed = failed || lay_out(&r) || list_contributions(&r);
     if (!failed) {
         exchange(&r);
         failed = calx_near_build(s, &r) || resize_tallies(s) || resize_network(s);
-        calx_neighbours_team(s);
     }
     clear(&r, lists);
     if (failed)

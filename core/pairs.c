@@ -268,7 +268,7 @@ int calx_pairs_find(const struct calx_pairs_input *in, struct calx_found_list *l
         failed = make_grids(&s);
     }
     if (!failed) {
-#pragma omp parallel for schedule(dynamic, 1) num_threads(in->threads) reduction(| : failed)
+#pragma omp parallel for schedule(dynamic, 1) num_threads(in->threads) if (in->threads > 1) reduction(| : failed)
         for (size_t b = 0; b < blocks; b++)
             failed |= search_block(&s, b, &lists[b]);
     }
