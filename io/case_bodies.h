@@ -12,6 +12,12 @@
 /* More from one element is taken for a mistake in a number. */
 #define CALX_MOST_BODIES 20000000
 
+/* Radii and coordinates that a distribution or a table may give, m; the tables of elements say the
+ * same. */
+#define CALX_LEAST_RADIUS 1e-12
+#define CALX_LARGEST_RADIUS 1e6
+#define CALX_FARTHEST_PLACE 1e9
+
 /* A start velocity or spin: given, or random within plus and minus `random` on the axes that exist.
  */
 struct calx_start {

@@ -105,8 +105,14 @@ static bool place_row(struct table *t, const double v[COLUMN_COUNT])
     struct calx_group *group = t->group;
     double at[3] = {v[X] * t->scale, v[Y] * t->scale, v[Z] * t->scale};
     double radius = t->has[RADIUS] ? v[RADIUS] * t->scale : t->radius;
-    if (!(radius > 0)) {
-        fail(t, "radius %g, expected greater than 0", radius);
+    if (!(radius >= CALX_LEAST_RADIUS && radius <= CALX_LARGEST_RADIUS)) {
+        fail(t, "radius %g m, expected at least %g and at most %g", radius, CALX_LEAST_RADIUS,
+             CALX_LARGEST_RADIUS);
+        return false;
+    }
+    if (fmax(fmax(fabs(at[0]), fabs(at[1])), fabs(at[2])) > CALX_FARTHEST_PLACE) {
+        fail(t, "(%g, %g, %g) m is too far away, expected at most %g", at[0], at[1], at[2],
+             CALX_FARTHEST_PLACE);
         return false;
     }
     give(&group->velocity, t->has, v, VX);

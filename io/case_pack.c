@@ -23,11 +23,13 @@ struct radii {
     double list[MOST_CLASSES], weight[MOST_CLASSES];
 };
 
-static bool all_positive(struct calx_reader *r, const xmlNode *node, const double *v, size_t count)
+static bool are_radii(struct calx_reader *r, const xmlNode *node, const double *v, size_t count)
 {
     for (size_t k = 0; k < count; k++)
-        if (!(v[k] > 0)) {
-            calx_case_fail(r, node, "radius", "%g is out of range, expected greater than 0", v[k]);
+        if (!(v[k] >= CALX_LEAST_RADIUS && v[k] <= CALX_LARGEST_RADIUS)) {
+            calx_case_fail(r, node, "radius",
+                           "%g m is out of range, expected at least %g and at most %g", v[k],
+                           CALX_LEAST_RADIUS, CALX_LARGEST_RADIUS);
             return false;
         }
     return true;
@@ -54,7 +56,9 @@ static const char **read_class(struct calx_reader *r, const xmlNode *node, const
         calx_case_fail_with(r, node, "radius", &e);
         return NULL;
     }
-    if (!all_positive(r, node, v, 2))
+    if (!(v[1] > 0))
+        calx_case_fail(r, node, "radius", "share %g of the mass, expected greater than 0", v[1]);
+    if (!(v[1] > 0) || !are_radii(r, node, v, 1))
         return NULL;
     radii->list[radii->sizes.count] = v[0] / 2;
     radii->weight[radii->sizes.count++] = v[1];
@@ -90,7 +94,7 @@ static bool read_numbers(struct calx_reader *r, const xmlNode *node, const char 
                        least, most > least ? " or 4" : "");
         return false;
     }
-    if (!all_positive(r, node, v, count))
+    if (!are_radii(r, node, v, count))
         return false;
     bool ends_in_range = count == 4 || least == most;
     if (ends_in_range && v[count - 2] > v[count - 1]) {

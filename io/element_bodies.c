@@ -35,13 +35,11 @@
 #define COMMON_ROWS MATERIAL_ROW, TEMPERATURE_ROW, VELOCITY_ROW, SPIN_ROW, FIXED_ROW
 #define RADIUS_ROW                                                                                 \
     {                                                                                              \
-        "radius", QUANTITY, "m", NULL, NULL, POSITIVE, "radius"                                    \
+        "radius", QUANTITY, "m", NULL, NULL, A_RADIUS, "radius"                                    \
     }
 
 static const struct calx_attribute particle_attributes[] = {
-    {"at", VECTOR, "m", NULL, NULL, -INFINITY, INFINITY, REQUIRED, "centre"},
-    RADIUS_ROW,
-    COMMON_ROWS};
+    {"at", VECTOR, "m", NULL, NULL, A_NEEDED_PLACE, "centre"}, RADIUS_ROW, COMMON_ROWS};
 static const struct calx_element particle = {"particle", "particle", "One body.",
                                              ATTRIBUTES(particle_attributes)};
 
@@ -58,8 +56,8 @@ static const struct calx_element csv = {"csv", "csv", "Bodies from a table in a 
                                         ATTRIBUTES(csv_attributes)};
 
 static const struct calx_attribute grid_attributes[] = {
-    {"from", VECTOR, "m", NULL, NULL, -INFINITY, INFINITY, REQUIRED, "centre of the first body"},
-    {"to", VECTOR, "m", NULL, NULL, ANY, "no centre lies beyond this corner; instead of count"},
+    {"from", VECTOR, "m", NULL, NULL, A_NEEDED_PLACE, "centre of the first body"},
+    {"to", VECTOR, "m", NULL, NULL, A_PLACE, "no centre lies beyond this corner; instead of count"},
     {"count", CALX_FORM_WHOLES, NULL, NULL, NULL, 1, INFINITY, 0,
      "bodies along each axis: \"10 5\""},
     {"spacing", CALX_FORM_LIST, "m", NULL, NULL, POSITIVE,
@@ -70,12 +68,12 @@ static const struct calx_element grid = {"grid", "grid", "Bodies on a rectangula
                                          ATTRIBUTES(grid_attributes)};
 
 static const struct calx_attribute pack_attributes[] = {
-    {"box", CALX_FORM_LIST, "m", NULL, NULL, ANY,
+    {"box", CALX_FORM_LIST, "m", NULL, NULL, A_PLACE,
      "region: lower and upper corner, \"0 0 20 10 mm\" in 2D"},
-    {"rectangle", CALX_FORM_LIST, "m", NULL, NULL, ANY, "the same as box, in 2D"},
-    {"circle", CALX_FORM_LIST, "m", NULL, NULL, ANY, "region: x y radius, in 2D"},
-    {"sphere", CALX_FORM_LIST, "m", NULL, NULL, ANY, "region: x y z radius, in 3D"},
-    {"cylinder", CALX_FORM_LIST, "m", NULL, NULL, ANY,
+    {"rectangle", CALX_FORM_LIST, "m", NULL, NULL, A_PLACE, "the same as box, in 2D"},
+    {"circle", CALX_FORM_LIST, "m", NULL, NULL, A_PLACE, "region: x y radius, in 2D"},
+    {"sphere", CALX_FORM_LIST, "m", NULL, NULL, A_PLACE, "region: x y z radius, in 3D"},
+    {"cylinder", CALX_FORM_LIST, "m", NULL, NULL, A_PLACE,
      "region: x y z of its middle, radius, length (0: as far as the domain goes), in 3D"},
     {"axis", VECTOR, "1", NULL, "0 0 1", ANY, "direction of the cylinder"},
     {"inside", NAME, NULL, NULL, NULL, NO_RANGE, "region: the inside of the walls of this name"},
@@ -89,7 +87,7 @@ static const struct calx_attribute pack_attributes[] = {
     {"gap", QUANTITY, "m", NULL, "0", NOT_NEGATIVE, "room kept free around each body"},
     {"seed", WHOLE, NULL, NULL, NULL, NO_RANGE,
      "of random numbers; that of particles if not given"},
-    {"radius", CALX_FORM_SIZES, "m", NULL, NULL, POSITIVE,
+    {"radius", CALX_FORM_SIZES, "m", NULL, NULL, A_RADIUS,
      "`2 mm`, `uniform 1 mm 2 mm` (least, largest), `normal 2 mm 0.1 mm 1 mm 3 mm` (mean, standard "
      "deviation, then, if wanted, least and largest), "
      "`lognormal` likewise, `masses 2 mm 0.3 4 mm 0.7` (diameters and their shares of the mass)"},
@@ -99,7 +97,7 @@ static const struct calx_element pack = {"pack", "pack", "Bodies at random place
 
 static const struct calx_attribute particles_attributes[] = {
     {"seed", WHOLE, NULL, NULL, NULL, NO_RANGE, "of random numbers"},
-    {"radius", CALX_FORM_SIZES, "m", NULL, NULL, POSITIVE, "radius, as in pack"},
+    {"radius", CALX_FORM_SIZES, "m", NULL, NULL, A_RADIUS, "radius, as in pack"},
     COMMON_ROWS};
 static const struct calx_child particles_children[] = {
     {&particle, '*'}, {&csv, '*'}, {&grid, '*'}, {&pack, '*'}};
@@ -113,17 +111,16 @@ const struct calx_element calx_element_particles = {
  * --------------------------------------------------------------------------------------------- */
 
 static const struct calx_attribute segment_attributes[] = {
-    {"from", CALX_FORM_LIST, "m", NULL, NULL, -INFINITY, INFINITY, REQUIRED,
+    {"from", CALX_FORM_LIST, "m", NULL, NULL, A_NEEDED_PLACE,
      "one end, x y; in 3D the wall is a strip along z"},
-    {"to", CALX_FORM_LIST, "m", NULL, NULL, -INFINITY, INFINITY, REQUIRED, "other end"},
+    {"to", CALX_FORM_LIST, "m", NULL, NULL, A_NEEDED_PLACE, "other end"},
 };
 static const struct calx_element segment = {"segment", "segment",
                                             "A straight wall with ends, felt from both sides.",
                                             ATTRIBUTES(segment_attributes)};
 
 static const struct calx_attribute polyline_attributes[] = {
-    {"points", CALX_FORM_LIST, "m", NULL, NULL, -INFINITY, INFINITY, REQUIRED,
-     "x y of each corner"},
+    {"points", CALX_FORM_LIST, "m", NULL, NULL, A_NEEDED_PLACE, "x y of each corner"},
     {"closed", SWITCH, NULL, NULL, "no", NO_RANGE, "yes: the last corner is joined to the first"},
 };
 static const struct calx_element polyline = {"polyline", "polyline",
@@ -131,7 +128,7 @@ static const struct calx_element polyline = {"polyline", "polyline",
                                              ATTRIBUTES(polyline_attributes)};
 
 static const struct calx_attribute plane_attributes[] = {
-    {"point", VECTOR, "m", NULL, "0 0 0", ANY, "a point on it"},
+    {"point", VECTOR, "m", NULL, "0 0 0", A_PLACE, "a point on it"},
     {"normal", VECTOR, "1", NULL, NULL, -INFINITY, INFINITY, REQUIRED,
      "direction to the side where the grains are, of any length"},
 };
@@ -145,11 +142,11 @@ static const struct calx_element plane = {"plane", "plane",
     }
 #define NEEDED_RADIUS_ROW                                                                          \
     {                                                                                              \
-        "radius", QUANTITY, "m", NULL, NULL, 0, INFINITY, REQUIRED | CALX_ATTRIBUTE_OPEN_MIN,      \
+        "radius", QUANTITY, "m", NULL, NULL, 0, FARTHEST, REQUIRED | CALX_ATTRIBUTE_OPEN_MIN,      \
             "radius"                                                                               \
     }
 static const struct calx_attribute cylinder_attributes[] = {
-    {"center", VECTOR, "m", NULL, "0 0 0", ANY,
+    {"center", VECTOR, "m", NULL, "0 0 0", A_PLACE,
      "a point on its axis; the middle if it has a length"},
     {"axis", VECTOR, "1", NULL, "0 0 1", ANY, "direction of the axis, in 3D"},
     NEEDED_RADIUS_ROW,
@@ -160,7 +157,7 @@ static const struct calx_element cylinder = {"cylinder", "cylinder",
                                              ATTRIBUTES(cylinder_attributes)};
 
 static const struct calx_attribute sphere_attributes[] = {
-    {"center", VECTOR, "m", NULL, "0 0 0", ANY, "its centre"}, NEEDED_RADIUS_ROW, SIDE_ROW};
+    {"center", VECTOR, "m", NULL, "0 0 0", A_PLACE, "its centre"}, NEEDED_RADIUS_ROW, SIDE_ROW};
 static const struct calx_element sphere = {"sphere", "sphere",
                                            "A hollow or solid ball (in 2D a circle) as a wall.",
                                            ATTRIBUTES(sphere_attributes)};

@@ -96,11 +96,11 @@ static const struct calx_element gravity = {
     ATTRIBUTES(gravity_attributes)};
 
 static const struct calx_attribute domain_attributes[] = {
-    {"low", VECTOR, "m", NULL, NULL, ANY, "lower corner; given together with high"},
-    {"high", VECTOR, "m", NULL, NULL, ANY, "upper corner"},
-    {"x", CALX_FORM_LIST, "m", NULL, NULL, ANY, "extent along x alone: two numbers"},
-    {"y", CALX_FORM_LIST, "m", NULL, NULL, ANY, "extent along y alone: two numbers"},
-    {"z", CALX_FORM_LIST, "m", NULL, NULL, ANY, "extent along z alone: two numbers"},
+    {"low", VECTOR, "m", NULL, NULL, A_PLACE, "lower corner; given together with high"},
+    {"high", VECTOR, "m", NULL, NULL, A_PLACE, "upper corner"},
+    {"x", CALX_FORM_LIST, "m", NULL, NULL, A_PLACE, "extent along x alone: two numbers"},
+    {"y", CALX_FORM_LIST, "m", NULL, NULL, A_PLACE, "extent along y alone: two numbers"},
+    {"z", CALX_FORM_LIST, "m", NULL, NULL, A_PLACE, "extent along z alone: two numbers"},
     {"periodic", WORDS, NULL, "x|y|z", NULL, NO_RANGE,
      "axes along which the domain repeats; they need an extent"},
 };
@@ -134,11 +134,11 @@ static const struct calx_attribute move_attributes[] = {
     {"walls", TEXT, NULL, NULL, NULL, NEEDED, "names of walls"},
     {"rotate", VARIES, "rad/s", "t", "0", ANY,
      "angular velocity, as in \"10 rpm\"; counter-clockwise in 2D"},
-    {"about", VECTOR, "m", NULL, "0 0 0", ANY, "a point on the axis of rotation"},
+    {"about", VECTOR, "m", NULL, "0 0 0", A_PLACE, "a point on the axis of rotation"},
     {"axis", VECTOR, "1", NULL, "0 0 1", ANY, "direction of the axis of rotation, in 3D"},
     {"velocity", VARYING_VECTOR, "m/s", "t", NULL, ANY,
      "each component may be an expression of t, the time of the run"},
-    {"amplitude", VECTOR, "m", NULL, NULL, ANY,
+    {"amplitude", VECTOR, "m", NULL, NULL, A_PLACE,
      "of an oscillation about the place where the stage begins"},
     {"frequency", QUANTITY, "1/s", NULL, NULL, NOT_NEGATIVE, "of the oscillation"},
     {"phase", QUANTITY, "rad", NULL, "0", ANY, "of the oscillation when the stage begins"},

@@ -13,6 +13,12 @@
 #define REQUIRED CALX_ATTRIBUTE_REQUIRED
 #define ANY -INFINITY, INFINITY, 0
 #define POSITIVE 0, INFINITY, CALX_ATTRIBUTE_OPEN_MIN
+/* Places and radii beyond these are mistakes in a number; cells and products of them stay in range.
+ */
+#define FARTHEST 1e9
+#define A_PLACE -FARTHEST, FARTHEST, 0
+#define A_NEEDED_PLACE -FARTHEST, FARTHEST, REQUIRED
+#define A_RADIUS 1e-12, 1e6, 0
 #define NOT_NEGATIVE 0, INFINITY, 0
 #define NO_RANGE 0, 0, 0
 #define NEEDED 0, 0, REQUIRED

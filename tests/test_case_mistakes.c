@@ -202,8 +202,9 @@ static const struct {
     {"x,y,radius\n1,2,3,4\n", 2, {"4 numbers", "expected 3"}},
     {"x,y,radius\n1,2,a\n", 2, {"'a'", "radius"}},
     {"x,y,radius\n1,nan,1\n", 2, {"'nan'", "finite"}},
-    {"x,y,radius\n\n1,2,-1\n", 3, {"radius -1", "greater than 0"}},
-    {"x,y\n1,2\n", 2, {"radius 0", "greater than 0"}},
+    {"x,y,radius\n\n1,2,-1\n", 3, {"radius -1", "at least 1e-12"}},
+    {"x,y,radius\n1e10,2,1\n", 2, {"1e+10", "too far"}},
+    {"x,y\n1,2\n", 2, {"radius 0", "at least 1e-12"}},
 };
 
 START_TEST(test_tables)
