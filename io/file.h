@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Files that appear whole or not at all: written beside their name, flushed to the disk, renamed. A
- * program killed at any instant leaves the old file or the new one, never a part.
+ * Files that appear whole or not at all: written beside their name, then renamed. A program killed at any instant leaves the old file or the new one, never a part.
  */
 #ifndef CALX_IO_FILE_H
 #define CALX_IO_FILE_H
@@ -25,13 +24,16 @@ int calx_file_create(struct calx_file *, const char *path, struct calx_error *);
  * left behind. */
 int calx_file_write(struct calx_file *, const void *data, size_t bytes, struct calx_error *);
 
-/* Brings all bytes to the disk and gives the file its name. CALX_ERROR_IO, with the file abandoned.
- */
+/* Writes what is buffered and gives the file its name. CALX_ERROR_IO, with the file abandoned. */
 int calx_file_commit(struct calx_file *, struct calx_error *);
 
 /* Removes what was written; the file that had the name before stays. Nothing happens after a
  * commit. */
 void calx_file_abandon(struct calx_file *);
+
+/* Brings everything written to the folder's file system to the disk: safe from a power cut from then
+ * on. Where that cannot be done nothing happens. */
+void calx_file_sync(const char *folder);
 
 /* Makes the folder and those above it; one that exists is fine. CALX_ERROR_IO with the reason. */
 int calx_file_create_folder(const char *path, struct calx_error *);

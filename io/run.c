@@ -12,9 +12,11 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "core/measure.h"
+#include "io/file.h"
 #include "io/restart.h"
 #include "io/vtk.h"
 
@@ -161,6 +163,21 @@ static unsigned what_is_due(const struct calx_run *run, double before, int stage
     return (frame ? FRAME : 0) | (row ? ROW : 0) | (judge ? JUDGE : 0) | SCHEDULED;
 }
 
+/* What a power cut may cost; not a kill, which costs nothing that was written. */
+static const double SYNC_EVERY = 10.0; /* s, wall clock */
+
+static void sync_now_and_then(struct calx_run *run)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    double seconds = (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+    if (run->last_sync > 0 && seconds - run->last_sync < SYNC_EVERY)
+        return;
+    if (run->last_sync > 0)
+        calx_file_sync(run->folder);
+    run->last_sync = seconds;
+}
+
 static int record(struct calx_run *run, unsigned due, double before, int stage,
                   struct calx_error *error)
 {
@@ -175,7 +192,11 @@ static int record(struct calx_run *run, unsigned due, double before, int stage,
         run->scheduled_frame = now;
     if ((due & SCHEDULED) && (due & ROW))
         run->scheduled_row = now;
-    return (due & FRAME) && run->series ? write_restart(run, error) : CALX_OK;
+    if (!(due & FRAME) || !run->series)
+        return CALX_OK;
+    CALX_TRY(write_restart(run, error));
+    sync_now_and_then(run);
+    return CALX_OK;
 }
 
 /* ---- the run ---- */
@@ -264,6 +285,8 @@ int calx_run_go(struct calx_run *run, struct calx_error *error)
         CALX_TRY(record(run, FRAME | ROW | JUDGE | SCHEDULED, calx_sim_time(run->sim),
                         calx_sim_stage(run->sim), error));
     int code = step_to_the_end(run, error);
+    if (run->series)
+        calx_file_sync(run->folder);
     calx_terminal_end(&run->terminal, run->sim);
     return code;
 }

@@ -44,6 +44,7 @@ struct calx_run {
     struct calx_probe *standard;
     double *row;
     uint64_t case_hash;
+    double last_sync; /* s, of the monotonic clock; 0 before the first frame */
     double scheduled_frame,
         scheduled_row; /* s: last frame and row that were due, not forced by an interruption */
     double began;      /* s of the clock */
