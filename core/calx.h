@@ -115,6 +115,29 @@ const struct calx_measure *calx_measure_find(const char *name);
 /* The present value of a probe (a quantity with its choices). NaN if it does not exist in this scene. */
 double calx_sim_measure(struct calx_sim *, const struct calx_probe *);
 
+/* ---- where the time goes ------------------------------------------------------------------------------ */
+
+enum calx_phase {
+    CALX_PHASE_SORT, CALX_PHASE_NEIGHBOURS, CALX_PHASE_GHOSTS, CALX_PHASE_SELECT, CALX_PHASE_GATHER,
+    CALX_PHASE_KINEMATICS, CALX_PHASE_LAWS, CALX_PHASE_CONDUCTANCE, CALX_PHASE_SCATTER, CALX_PHASE_WALLS,
+    CALX_PHASE_INTEGRATE, CALX_PHASE_HEAT, CALX_PHASE_OTHER, CALX_PHASE_COUNT
+};
+
+/* Seconds per phase, summed over threads, since calx_sim_timing_start(); timing costs a few per cent of a step. */
+struct calx_timing {
+    double seconds[CALX_PHASE_COUNT];
+    double law_seconds[8];       /* of each contact law, in the order of the plan; part of CALX_PHASE_LAWS */
+    const char *law[8];
+    int64_t steps, rebuilds;
+    size_t pairs, contacts, bytes; /* now */
+    double skin;                 /* m */
+    const char *kernels;         /* instruction set */
+    int threads;
+};
+int calx_sim_timing_start(struct calx_sim *); /* 0, or 1 without memory */
+struct calx_timing calx_sim_timing(const struct calx_sim *);
+const char *calx_phase_name(enum calx_phase);
+
 /* ---- restart ------------------------------------------------------------------------------------------ */
 
 /* The whole state as named blocks of bytes, pointers valid until the next call on sim. The file format is io/restart.c. */

@@ -67,13 +67,23 @@ static void gather_velocities(const struct calx_block_view *b, struct calx_colum
     }
 }
 
+/* Where the next row of four starts: the last one may overlap the one before. */
+static size_t next_row(size_t first, size_t stride)
+{
+    return first + 8 <= stride || first + 4 >= stride ? first + 4 : stride - 4;
+}
+
 static void gather_history(const struct calx_sim *s, struct calx_columns *c, size_t lane)
 {
+    size_t stride = s->plan->history_stride;
+    const double *from = s->pairs.history;
     calx_v4 row[8];
     calx_v8 h[4];
-    for (size_t first = 0; first < s->plan->history_stride; first += 4) {
+    for (size_t k = 0; k < 8 && stride == 1; k++)
+        c->history[0][lane + k] = from[c->source[lane + k]];
+    for (size_t first = 0; first + 4 <= stride; first = next_row(first, stride)) {
         for (size_t k = 0; k < 8; k++)
-            row[k] = calx_v4_load(s->pairs.history + s->plan->history_stride * c->source[lane + k] + first);
+            row[k] = calx_v4_load_unaligned(from + stride * c->source[lane + k] + first);
         calx_rows_to_columns(row, h);
         for (size_t k = 0; k < 4; k++)
             calx_v8_store(c->history[first + k] + lane, h[k]);
@@ -150,12 +160,14 @@ void CALX_ISA(calx_gather_keep)(struct calx_sim *s, struct calx_columns *c)
         s->pairs.touching[c->source[lane]] = c->overlap[lane] > -s->plan->gap;
     for (size_t k = 0; k < columns; k++)
         forget_parted(padded, s->plan->gap, c->overlap, c->history[k]);
-    for (size_t first = 0; first < stride; first += 4)
+    for (size_t lane = 0; lane < c->n && stride == 1; lane++)
+        s->pairs.history[c->source[lane]] = c->history[0][lane];
+    for (size_t first = 0; first + 4 <= stride; first = next_row(first, stride))
         for (size_t lane = 0; lane < padded; lane += 8) {
             for (size_t k = 0; k < 4; k++)
                 h[k] = calx_v8_load(c->history[first + k] + lane);
             calx_columns_to_rows(h, row);
             for (size_t k = 0; k < 8 && lane + k < c->n; k++)
-                calx_v4_store(s->pairs.history + stride * c->source[lane + k] + first, row[k]);
+                calx_v4_store_unaligned(s->pairs.history + stride * c->source[lane + k] + first, row[k]);
         }
 }

@@ -48,7 +48,7 @@ struct calx_plan {
     void *heat_params;
     uint32_t needs;           /* union of enum calx_need */
     size_t history;           /* columns */
-    size_t history_stride;    /* doubles per pair: columns rounded up to whole rows of four */
+    size_t history_stride;    /* doubles per pair: the columns, and at least a row of four if more than one */
     uint8_t history_is_vector[CALX_HISTORY_MAX]; /* 1 at the first column of a vector */
     double gap;
     double dt;

@@ -13,6 +13,8 @@
 
 #include "core/plugin.h"
 
+enum { SERIAL, SPRING, PEERS }; /* cap */
+
 struct coulomb {
     double stiffness, friction, damping_rate, damping, cap; /* from the table */
 };
@@ -56,13 +58,15 @@ static const struct calx_parameter parameters[] = {
      .symbol = "cap",
      .unit = "1",
      .doc =
-         "What friction limits: spring and damper together, or the spring alone (as in LIGGGHTS).",
+         "What friction limits: spring and damper together, in series when it slips; the spring alone (as in "
+         "LIGGGHTS); or both, with the damper on all of the sliding velocity (as in LAMMPS: it can give energy, and is "
+         "there to reproduce such runs).",
      .min = 0,
-     .max = 1,
+     .max = 2,
      .flags = CALX_CHOICE,
      .scope = CALX_RUN,
      .offset = offsetof(struct coulomb, cap),
-     .choices = "spring-and-damper|spring"},
+     .choices = "spring-and-damper|spring|peers"},
 };
 
 static int damped(const struct coulomb *p)
@@ -126,13 +130,15 @@ CALX_KERNEL static void rub_damped(size_t n, struct coulomb p, double dt,
 {
     for (size_t c = 0; c < n; c++) {
         double touch = overlap[c] > 0 ? 1 : 0, ct = damping(&p, inverse_mass[c]) * touch;
-        double limited = p.cap > 0 ? 0 : ct, beside = p.cap > 0 ? ct : 0;
-        double pace = p.stiffness * dt + limited, part = limited > 0 ? p.stiffness * dt / pace : 1;
+        double limited = p.cap == SPRING ? 0 : ct, beside = ct - limited;
+        double follow = p.cap == PEERS ? ct : 0, serial = limited - follow;
+        double pace = p.stiffness * dt + limited, part = serial > 0 ? p.stiffness * dt / pace : 1;
         double x = sx[c] - pace * vx[c], y = sy[c] - pace * vy[c], z = sz[c] - pace * vz[c];
         double share = shorten(x * x + y * y + z * z, touch * p.friction * fabs(normal_force[c]));
         x *= share, y *= share, z *= share;
-        double nx = touch * (sx[c] - part * (sx[c] - x)), ny = touch * (sy[c] - part * (sy[c] - y)),
-               nz = touch * (sz[c] - part * (sz[c] - z));
+        double nx = touch * (sx[c] - part * (sx[c] - x)) + follow * vx[c];
+        double ny = touch * (sy[c] - part * (sy[c] - y)) + follow * vy[c];
+        double nz = touch * (sz[c] - part * (sz[c] - z)) + follow * vz[c];
         x -= beside * vx[c], y -= beside * vy[c], z -= beside * vz[c];
         fx[c] += x, fy[c] += y, fz[c] += z;
         double done = ((hx[c] + x) * vx[c] + (hy[c] + y) * vy[c] + (hz[c] + z) * vz[c]) * dt;
