@@ -38,9 +38,9 @@ struct calx_columns {
     size_t n;                  /* last, so that every column is aligned */
 } __attribute__((aligned(64)));
 
-/* Fills vn, vt, spin, turns the history, runs the laws and the conductance: fn .. conductance, force, twist. */
+/* Fills vn, vt, spin, turns the history, runs the laws and the conductance: fn .. conductance, force, twist. clock may be NULL. */
 void CALX_ISA(calx_evaluate_batch)(const struct calx_plan *, size_t type, double dt, bool conduct,
-                                   struct calx_columns *);
+                                   struct calx_columns *, struct calx_clock *);
 
 /* Adds the stored elastic energy of each lane to energy[]; needs what calx_evaluate_batch leaves. */
 void CALX_ISA(calx_evaluate_energy)(const struct calx_plan *, size_t type, double dt,

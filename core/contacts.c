@@ -178,13 +178,14 @@ static void tally_pairs(const struct calx_block_view *b, struct calx_columns *c)
 static void process_batch(const struct calx_block_view *b, size_t type, struct calx_columns *c)
 {
     struct calx_sim *s = b->s;
-    CALX_ISA(calx_evaluate_batch)(s->plan, type, b->dt, b->conduct, c);
+    CALX_ISA(calx_evaluate_batch)(s->plan, type, b->dt, b->conduct, c, b->clock);
     CALX_ISA(calx_gather_keep)(s, c);
     add_forces(b, c);
     bool heat = heat_flows(b, c, type);
     if (heat || s->plan->needs & CALX_NEEDS_ROTATION)
         add_torques_and_heat(b, c, heat);
     tally_pairs(b, c);
+    calx_timing_lap(b->clock, CALX_PHASE_SCATTER);
 }
 
 static struct calx_block_view view_block(struct calx_sim *s, size_t block, double dt, bool conduct)
@@ -206,9 +207,11 @@ static void each_batch(const struct calx_block_view *b, struct calx_columns *c,
         size_t at = group->first, end = group->first + group->count;
         while (at < end) {
             at = CALX_ISA(calx_gather_select)(b, at, end, s->plan->gap, c);
+            calx_timing_lap(b->clock, CALX_PHASE_SELECT);
             if (c->n == 0)
                 continue;
             CALX_ISA(calx_gather_batch)(b, c);
+            calx_timing_lap(b->clock, CALX_PHASE_GATHER);
             use(b, (size_t)group->type, c);
         }
     }
@@ -219,11 +222,15 @@ static void block_forces(struct calx_sim *s, size_t block, double dt, bool condu
     struct calx_block_view b = view_block(s, block, dt, conduct);
     struct calx_columns *c = s->columns[omp_get_thread_num()];
     size_t rows = (size_t)(b.block->own + b.block->ghosts);
+    b.clock = calx_timing_clock(s);
+    calx_timing_restart(b.clock);
     memset(b.tally, 0, sizeof *b.tally);
     memset(b.a, 0, rows * b.stride * sizeof(double));
     refresh_ghosts(s, b.block);
+    calx_timing_lap(b.clock, CALX_PHASE_GHOSTS);
     each_batch(&b, c, process_batch);
     CALX_ISA(calx_wall_contacts)(s, block, dt, conduct, c, NULL, NULL);
+    calx_timing_lap(b.clock, CALX_PHASE_WALLS);
 }
 
 static void add_energy(const struct calx_block_view *b, size_t type, struct calx_columns *c)
@@ -246,7 +253,7 @@ static void block_energy(struct calx_sim *s, size_t block, double *energy)
 
 static void show_batch(const struct calx_block_view *b, size_t type, struct calx_columns *c)
 {
-    CALX_ISA(calx_evaluate_batch)(b->s->plan, type, 0.0, b->conduct, c);
+    CALX_ISA(calx_evaluate_batch)(b->s->plan, type, 0.0, b->conduct, c, NULL);
     for (size_t lane = 0; lane < c->n; lane++)
         if (c->overlap[lane] > -b->s->plan->gap)
             b->sink->take(b->sink->context, c, lane, b->block->first + c->row[0][lane],

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "core/columns.h"
+#include "core/timing.h"
 
 typedef double column[CALX_BATCH];
 
@@ -150,7 +151,8 @@ static void *pair_params(const struct calx_plugin *plugin, const char *params, s
     return (void *)(params + plugin->params_size * type);
 }
 
-static void run_laws(const struct calx_plan *p, size_t type, double dt, struct calx_columns *c)
+static void run_laws(const struct calx_plan *p, size_t type, double dt, struct calx_columns *c,
+                     struct calx_clock *clock)
 {
     double *history[CALX_HISTORY_MAX];
     for (size_t l = 0; l < p->law_count; l++) {
@@ -163,11 +165,12 @@ static void run_laws(const struct calx_plan *p, size_t type, double dt, struct c
         if (p->cohesion && law->law->provides & CALX_COHESION)
             memcpy(c->coulomb, c->fn, sizeof c->coulomb);
         law->law->force(pair_params(law->plugin, law->params, type), &v);
+        calx_timing_law(clock, l);
     }
 }
 
 void CALX_ISA(calx_evaluate_batch)(const struct calx_plan *p, size_t type, double dt, bool conduct,
-                                   struct calx_columns *c)
+                                   struct calx_columns *c, struct calx_clock *clock)
 {
     size_t padded = (c->n + CALX_WIDTH - 1) / CALX_WIDTH * CALX_WIDTH;
     memset(c->fn, 0, sizeof c->fn);
@@ -177,15 +180,18 @@ void CALX_ISA(calx_evaluate_batch)(const struct calx_plan *p, size_t type, doubl
     if (p->needs & CALX_NEEDS_SPIN)
         memset(c->torque, 0, sizeof c->torque);
     kinematics(p, c, padded);
-    run_laws(p, type, dt, c);
+    calx_timing_lap(clock, CALX_PHASE_KINEMATICS);
+    run_laws(p, type, dt, c, clock);
     if (p->needs & CALX_NEEDS_TANGENT)
         assemble(padded, c->fn, c->ft, c->normal, c->force, c->twist);
     else
         normal_force_only(padded, c->fn, c->normal, c->force);
+    calx_timing_lap(clock, CALX_PHASE_KINEMATICS);
     if (conduct) {
         const struct calx_conductance_law *law = p->conductance->law;
         struct calx_contacts v = view(p, p->conductance_demand.needs, dt, c);
         law->conductance(pair_params(p->conductance, p->conductance_params, type), &v, c->conductance);
+        calx_timing_lap(clock, CALX_PHASE_CONDUCTANCE);
     }
 }
 

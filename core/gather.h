@@ -6,6 +6,7 @@
 #define CALX_GATHER_H
 
 #include "core/columns.h"
+#include "core/timing.h"
 
 /* The rows of one block, and where its results go. */
 struct calx_block_view {
@@ -18,6 +19,7 @@ struct calx_block_view {
     double dt, interval; /* step of motion; time over which heat of this evaluation flows */
     bool conduct;
     const struct calx_sink *sink;
+    struct calx_clock *clock;
 };
 
 /* Picks touching pairs from first on until the batch is nearly full or `end` is reached; returns where to go on. */

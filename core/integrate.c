@@ -5,7 +5,7 @@
  */
 #include <math.h>
 
-#include "core/state.h"
+#include "core/timing.h"
 #include "core/vector.h"
 
 static struct calx_rows translation_rows(struct calx_sim *s, const struct calx_row_block *b, double **extra)
@@ -49,6 +49,8 @@ void calx_integrate_before(struct calx_sim *s, size_t stage)
 #pragma omp parallel for schedule(static) num_threads(s->team) if (s->team > 1) reduction(max : largest)
     for (size_t b = 0; b < s->block_count; b++) {
         double *extra[CALX_EXTRA_MAX];
+        struct calx_clock *clock = calx_timing_clock(s);
+        calx_timing_restart(clock);
         struct calx_rows rows = translation_rows(s, &s->blocks[b], extra);
         if (law->translation[stage].before)
             law->translation[stage].before(params, &rows);
@@ -58,6 +60,7 @@ void calx_integrate_before(struct calx_sim *s, size_t stage)
         }
         double speed2 = largest_speed2(s, &s->blocks[b]);
         largest = speed2 > largest ? speed2 : largest;
+        calx_timing_lap(clock, CALX_PHASE_INTEGRATE);
     }
     s->speed = sqrt(largest);
     s->drift += s->speed * s->plan->dt;
@@ -107,8 +110,11 @@ static void after(struct calx_sim *s, const struct calx_row_block *b, size_t sta
 
 void calx_integrate_finish(struct calx_sim *s, size_t block, int stage)
 {
+    struct calx_clock *clock = calx_timing_clock(s);
+    calx_timing_restart(clock);
     collect_ghosts(s, &s->blocks[block]);
     accelerate(s, &s->blocks[block]);
     if (stage >= 0)
         after(s, &s->blocks[block], (size_t)stage);
+    calx_timing_lap(clock, CALX_PHASE_INTEGRATE);
 }

@@ -114,6 +114,16 @@ static bool contacts(const struct calx_measure_view *v, double out[3])
     return true;
 }
 
+/* Each pair is two entries of the particles' contact counts, a contact with a wall is one. */
+static bool pair_contacts(const struct calx_measure_view *v, double out[3])
+{
+    const struct calx_frame *f = calx_measure_frame(v->sim);
+    out[0] = f && f->contacts ? -(double)calx_sim_contact_count(v->sim) : NAN;
+    for (size_t i = 0; f && f->contacts && i < f->n; i++)
+        out[0] += f->contacts[i];
+    return true;
+}
+
 static double relative(double residual, double scale)
 {
     return scale > 0 ? residual / scale : residual;
@@ -278,6 +288,7 @@ static const struct calx_measure_row rows[] = {
     WHOLE("step", "1", 1, step, "steps made"),
     WHOLE("count", "1", 1, count, "particles"),
     WHOLE("contacts", "1", 1, contacts, "touching pairs, walls included"),
+    WHOLE("pair-contacts", "1", 1, pair_contacts, "touching pairs of particles"),
     WHOLE("max-overlap", "m", 1, max_overlap, "largest overlap of a contact"),
     WHOLE("max-overlap-relative", "1", 1, max_overlap_relative,
           "largest overlap of a contact over the smaller radius"),

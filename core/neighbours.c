@@ -10,6 +10,7 @@
 
 #include "core/neighbours.h"
 #include "core/sort.h"
+#include "core/timing.h"
 
 bool calx_neighbours_stale(const struct calx_sim *s)
 {
@@ -278,13 +279,17 @@ static int resize_network(struct calx_sim *s)
 
 int calx_neighbours_build(struct calx_sim *s, struct calx_error *e)
 {
+    struct calx_clock *clock = calx_timing_clock(s);
+    calx_timing_restart(clock);
     CALX_TRY(wrap_all(s, e));
     struct calx_rebuild r = {.sim = s, .n = s->n, .blocks = (s->n + CALX_BLOCK - 1) / CALX_BLOCK,
                              .types = s->scene->material_count * s->scene->material_count};
     size_t lists = r.blocks;
     calx_neighbours_team(s);
     int failed = prepare(&r);
-    failed = failed || sort_rows(&r) || (s->features.search && find_pairs(&r));
+    failed = failed || sort_rows(&r);
+    calx_timing_lap(clock, CALX_PHASE_SORT);
+    failed = failed || (s->features.search && find_pairs(&r));
     failed = failed || lay_out(&r) || list_contributions(&r);
     if (!failed) {
         exchange(&r);
@@ -294,6 +299,7 @@ int calx_neighbours_build(struct calx_sim *s, struct calx_error *e)
     if (failed)
         return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for the lists of %zu particles", s->n);
     s->drift = s->wall_drift = 0.0;
+    calx_timing_lap(clock, CALX_PHASE_NEIGHBOURS);
     s->built = true;
     s->rebuilds++;
     return 0;

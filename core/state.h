@@ -192,6 +192,10 @@ struct calx_sim {
     long double energy0, heat0;
     double potential0, scale, heat_scale;
 
+    /* timing; NULL while it is off */
+    struct calx_clock *clocks;
+    struct calx_timing_from { double seconds; uint64_t tick; int64_t step, rebuilds; } timing_from;
+
     /* scratch, one per thread */
     struct calx_columns **columns;
 

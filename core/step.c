@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/state.h"
+#include "core/timing.h"
 
 static void swap_wall_contacts(struct calx_sim *s)
 {
@@ -178,7 +178,11 @@ int calx_sim_step(struct calx_sim *s, struct calx_error *e)
     s->step++;
     s->stage_step++;
     s->time = t;
+    struct calx_clock *clock = calx_timing_clock(s);
+    calx_timing_restart(clock);
     CALX_TRY(calx_heat_step(s, e));
+    calx_timing_lap(clock, CALX_PHASE_HEAT);
     CALX_TRY(calx_guard_step(s, e));
+    calx_timing_lap(clock, CALX_PHASE_OTHER);
     return end_stage(s, e);
 }

@@ -211,7 +211,7 @@ static void flush(struct wall_batch *w)
         c->n = 0;
         return;
     }
-    CALX_ISA(calx_evaluate_batch)(s->plan, w->type, w->dt, w->conduct, c);
+    CALX_ISA(calx_evaluate_batch)(s->plan, w->type, w->dt, w->conduct, c, NULL);
     for (size_t lane = 0; lane < c->n; lane++) {
         if (w->sink) {
             w->sink->take(w->sink->context, c, lane, w->row[lane], -1 - w->wall[lane]);
