@@ -160,11 +160,11 @@ static bool set_box(struct calx_region *region, const double *v)
     uint32_t d = region->dimension;
     region->kind = CALX_REGION_BOX;
     for (uint32_t k = 0; k < d; k++) {
+        region->periodic[k] &= v[k] <= region->low[k] && v[d + k] >= region->high[k];
         region->low[k] = fmax(region->low[k], v[k]);
         region->high[k] = fmin(region->high[k], v[d + k]);
-        if (!(v[k] < v[d + k]))
+        if (!(region->low[k] < region->high[k]))
             return false;
-        region->periodic[k] &= v[k] <= region->low[k] && v[d + k] >= region->high[k];
     }
     return true;
 }
