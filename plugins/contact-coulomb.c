@@ -128,10 +128,10 @@ CALX_KERNEL static void rub_damped(size_t n, struct coulomb p, double dt,
                                    double *restrict sx, double *restrict sy, double *restrict sz,
                                    double *restrict hx, double *restrict hy, double *restrict hz)
 {
+    const double both = p.cap == SPRING ? 0 : 1, peers = p.cap == PEERS ? 1 : 0;
     for (size_t c = 0; c < n; c++) {
         double touch = overlap[c] > 0 ? 1 : 0, ct = damping(&p, inverse_mass[c]) * touch;
-        double limited = p.cap == SPRING ? 0 : ct, beside = ct - limited;
-        double follow = p.cap == PEERS ? ct : 0, serial = limited - follow;
+        double limited = ct * both, beside = ct - limited, follow = ct * peers, serial = limited - follow;
         double pace = p.stiffness * dt + limited, part = serial > 0 ? p.stiffness * dt / pace : 1;
         double x = sx[c] - pace * vx[c], y = sy[c] - pace * vy[c], z = sz[c] - pace * vz[c];
         double share = shorten(x * x + y * y + z * z, touch * p.friction * fabs(normal_force[c]));
