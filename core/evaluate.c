@@ -13,12 +13,15 @@
 
 typedef double column[CALX_BATCH];
 
+/* u.m with m the normal when the velocity u was, to first order in the turn since: what is lost and stored then balances to second order. */
 static void normal_velocity(size_t n, const column *restrict normal, const column *restrict velocity,
-                            double *restrict vn)
+                            const double *restrict tilt, double *restrict vn)
 {
-    for (size_t c = 0; c < n; c++)
-        vn[c] = velocity[0][c] * normal[0][c] + velocity[1][c] * normal[1][c] +
-                velocity[2][c] * normal[2][c];
+    for (size_t c = 0; c < n; c++) {
+        double x = velocity[0][c], y = velocity[1][c], z = velocity[2][c];
+        double un = x * normal[0][c] + y * normal[1][c] + z * normal[2][c];
+        vn[c] = un - tilt[c] * (x * x + y * y + z * z - un * un);
+    }
 }
 
 /* Velocity of i relative to j at the contact point, tangential: u - (u.m) m with m the normal when u was, then laid into the plane of n.
@@ -48,12 +51,13 @@ static void tangential_velocity(size_t n, const column *restrict normal,
     }
 }
 
-static void lever_spin(size_t n, const column *restrict lever, const column *restrict wi,
-                       const column *restrict wj, column *restrict w)
+/* The levers are those of when the spins were: they grow by `back` times vn until the present. */
+static void lever_spin(size_t n, double back, const double *restrict vn, const column *restrict lever,
+                       const column *restrict wi, const column *restrict wj, column *restrict w)
 {
     for (int k = 0; k < 3; k++)
         for (size_t c = 0; c < n; c++)
-            w[k][c] = lever[0][c] * wi[k][c] + lever[1][c] * wj[k][c];
+            w[k][c] = (lever[0][c] - back * vn[c]) * wi[k][c] + (lever[1][c] - back * vn[c]) * wj[k][c];
 }
 
 static void relative_spin(size_t n, const column *restrict wi, const column *restrict wj,
@@ -103,14 +107,20 @@ static void normal_force_only(size_t n, const double *restrict fn, const column 
             force[k][c] = fn[c] * normal[k][c];
 }
 
-static void kinematics(const struct calx_plan *p, struct calx_columns *c, size_t padded)
+/* Half the way that bodies part at unit speed between the moment of the velocities and now; levers of R do not grow. */
+static double lever_growth(const struct calx_plan *p, double dt)
 {
-    normal_velocity(padded, c->normal, c->velocity, c->vn);
+    return p->motion_law && !p->models->lever_full ? 0.5 * p->motion_law->velocity_lag * dt : 0.0;
+}
+
+static void kinematics(const struct calx_plan *p, double dt, struct calx_columns *c, size_t padded)
+{
+    normal_velocity(padded, c->normal, c->velocity, c->tilt, c->vn);
     if (!(p->needs & CALX_NEEDS_TANGENT))
         return;
     column w[3];
     if (p->needs & CALX_NEEDS_ROTATION)
-        lever_spin(padded, c->lever, c->omega[0], c->omega[1], w);
+        lever_spin(padded, lever_growth(p, dt), c->vn, c->lever, c->omega[0], c->omega[1], w);
     else
         memset(w, 0, sizeof w);
     tangential_velocity(padded, c->normal, c->velocity, w, c->tilt, c->vt);
@@ -179,7 +189,7 @@ void CALX_ISA(calx_evaluate_batch)(const struct calx_plan *p, size_t type, doubl
         memset(c->ft, 0, sizeof c->ft);
     if (p->needs & CALX_NEEDS_SPIN)
         memset(c->torque, 0, sizeof c->torque);
-    kinematics(p, c, padded);
+    kinematics(p, dt, c, padded);
     calx_timing_lap(clock, CALX_PHASE_KINEMATICS);
     run_laws(p, type, dt, c, clock);
     if (p->needs & CALX_NEEDS_TANGENT)

@@ -86,6 +86,7 @@ struct calx_pose {
     double turn[9], shift[3];
     double speed[3];  /* m/s at the origin of space */
     double spin[3];   /* rad/s */
+    double ago, past_speed[3], past_spin[3]; /* the same velocity_lag*dt = ago (s) before: what the laws see */
 };
 
 struct calx_posed { /* a primitive in its present place */
@@ -256,6 +257,9 @@ int calx_walls_create(struct calx_sim *, struct calx_error *);
 void calx_walls_begin_stage(struct calx_sim *);
 void calx_walls_move(struct calx_sim *, double t, double dt);
 void calx_walls_velocity(const struct calx_sim *, int wall, const double at[3], double out[3]);
+/* Of the point of the wall that is at `at` with velocity `now`, at the moment that the velocities of the grains belong to. */
+void calx_walls_past_velocity(const struct calx_sim *, int wall, const double at[3], const double now[3],
+                              double out[3]);
 struct calx_touch { double distance, normal[3], point[3]; bool end; };
 void calx_surface_nearest(const struct calx_primitive *, uint32_t dimension, const double x[3], struct calx_touch *);
 

@@ -112,7 +112,10 @@ static void fill_lane(struct wall_batch *w, int32_t row, const struct candidate 
     size_t lane = c->n++;
     const double *x = calx_row_x(s, row), *v = calx_row_v(s, row);
     int wall = s->posed[k->primitive].wall;
-    calx_walls_velocity(s, wall, k->touch.point, w->point_velocity[lane]);
+    double past[3], *now = w->point_velocity[lane];
+    calx_walls_velocity(s, wall, k->touch.point, now);
+    calx_walls_past_velocity(s, wall, k->touch.point, now, past);
+    const double *seen = w->dt > 0.0 ? past : now; /* as the grains' own velocities */
     double depth = x[3] - k->touch.distance;
     c->overlap[lane] = depth;
     c->lever[0][lane] = s->plan->models->lever_full ? x[3] : x[3] - 0.5 * depth;
@@ -121,7 +124,7 @@ static void fill_lane(struct wall_batch *w, int32_t row, const struct candidate 
     c->curvature[0][lane] = 1.0 / x[3];
     for (int q = 0; q < 3; q++) {
         c->normal[q][lane] = k->touch.normal[q];
-        c->velocity[q][lane] = v[q] - w->point_velocity[lane][q];
+        c->velocity[q][lane] = v[q] - seen[q];
         c->omega[1][q][lane] = 0.0;
         if (s->r.stride == 8)
             c->omega[0][q][lane] = v[4 + q];

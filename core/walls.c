@@ -113,37 +113,50 @@ static void advance(const struct calx_function *rate, double t, double dt, doubl
         *sum = rate->value * tau;
 }
 
-/* Displacement and velocity of the oscillation and the prescribed displacement, added to shift and speed. */
-static void add_prescribed(const struct calx_motion *m, double t, double tau, double stage_start,
-                           double shift[3], double speed[3])
+/* Displacement of the oscillation and of the prescribed displacement, added to shift. */
+static void add_prescribed(const struct calx_motion *m, double t, double tau, double stage_start, double shift[3])
 {
     static const double nowhere[3];
-    double w = 2.0 * M_PI * m->frequency, h = 1e-6 * fmax(fabs(t), 1e-3);
+    double w = 2.0 * M_PI * m->frequency;
     for (int k = 0; k < 3; k++) {
-        shift[k] += m->amplitude[k] * (sin(w * tau + m->phase) - sin(m->phase));
-        speed[k] += m->amplitude[k] * w * cos(w * tau + m->phase);
-        if (!m->has_displacement)
-            continue;
         const struct calx_function *f = &m->displacement[k];
-        shift[k] += calx_evaluate(f, t, nowhere) - calx_evaluate(f, stage_start, nowhere);
-        speed[k] += (calx_evaluate(f, t + h, nowhere) - calx_evaluate(f, t - h, nowhere)) / (2.0 * h);
+        shift[k] += m->amplitude[k] * (sin(w * tau + m->phase) - sin(m->phase));
+        if (m->has_displacement)
+            shift[k] += calx_evaluate(f, t, nowhere) - calx_evaluate(f, stage_start, nowhere);
     }
+}
+
+/* Speed at the origin of space and spin, `ago` seconds before t; centre: what the wall turns about, at t. */
+static void wall_speed(const struct calx_motion *m, double t, double tau, double ago, const double centre[3],
+                       double speed[3], double spin[3])
+{
+    static const double nowhere[3];
+    double w = 2.0 * M_PI * m->frequency, h = 1e-6 * fmax(fabs(t), 1e-3), then = t - ago, about[3], offset[3];
+    for (int k = 0; k < 3; k++) {
+        const struct calx_function *f = &m->displacement[k];
+        speed[k] = calx_evaluate(&m->velocity[k], then, nowhere);
+        speed[k] += m->amplitude[k] * w * cos(w * (tau - ago) + m->phase);
+        if (m->has_displacement)
+            speed[k] += (calx_evaluate(f, then + h, nowhere) - calx_evaluate(f, then - h, nowhere)) / (2.0 * h);
+        spin[k] = m->axis[k] * calx_evaluate(&m->rate, then, nowhere);
+        about[k] = centre[k] - ago * speed[k];
+    }
+    cross(spin, about, offset);
+    for (int k = 0; k < 3; k++)
+        speed[k] -= offset[k];
 }
 
 static void pose_wall(struct calx_sim *s, size_t w, const struct calx_motion *m, double t, double dt)
 {
-    static const double nowhere[3];
-    double tau = t - s->stage_start, m9[9], shift[3], speed[3], centre[3], offset[3];
+    double tau = t - s->stage_start, m9[9], shift[3], centre[3], offset[3];
     const struct calx_pose *base = &s->stage_poses[w];
     struct calx_pose *pose = &s->poses[w];
     advance(&m->rate, t, dt, tau, &s->wall_angle[w]);
     for (int k = 0; k < 3; k++) {
         advance(&m->velocity[k], t, dt, tau, &s->wall_shift[w][k]);
         shift[k] = s->wall_shift[w][k];
-        speed[k] = calx_evaluate(&m->velocity[k], t, nowhere);
-        pose->spin[k] = m->axis[k] * calx_evaluate(&m->rate, t, nowhere);
     }
-    add_prescribed(m, t, tau, s->stage_start, shift, speed);
+    add_prescribed(m, t, tau, s->stage_start, shift);
     rotation(m->axis, s->wall_angle[w], m9);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
@@ -156,9 +169,9 @@ static void pose_wall(struct calx_sim *s, size_t w, const struct calx_motion *m,
         centre[k] = m->about[k] + shift[k];
         pose->shift[k] = centre[k] + offset[k];
     }
-    cross(pose->spin, centre, offset);
-    for (int k = 0; k < 3; k++)
-        pose->speed[k] = speed[k] - offset[k];
+    pose->ago = s->plan && s->plan->motion_law ? s->plan->motion_law->velocity_lag * dt : 0.0;
+    wall_speed(m, t, tau, 0.0, centre, pose->speed, pose->spin);
+    wall_speed(m, t, tau, pose->ago, centre, pose->past_speed, pose->past_spin);
 }
 
 static double distance(const double a[3], const double b[3])
@@ -185,8 +198,10 @@ void calx_walls_move(struct calx_sim *s, double t, double dt)
         if (s->features.temperature && s->scene->walls[w].isothermal)
             s->wall_temperature[w] = calx_evaluate(&stage->wall_temperature[w], t, nowhere);
         if (!stage->motion[w].moves) {
-            memset(s->poses[w].speed, 0, sizeof s->poses[w].speed);
-            memset(s->poses[w].spin, 0, sizeof s->poses[w].spin);
+            struct calx_pose rest = {.ago = 0.0};
+            memcpy(rest.turn, s->poses[w].turn, sizeof rest.turn);
+            memcpy(rest.shift, s->poses[w].shift, sizeof rest.shift);
+            s->poses[w] = rest;
             continue;
         }
         pose_wall(s, w, &stage->motion[w], t, dt);
@@ -206,4 +221,14 @@ void calx_walls_velocity(const struct calx_sim *s, int wall, const double at[3],
     cross(p->spin, at, out);
     for (int k = 0; k < 3; k++)
         out[k] += p->speed[k];
+}
+
+void calx_walls_past_velocity(const struct calx_sim *s, int wall, const double at[3], const double now[3],
+                              double out[3])
+{
+    const struct calx_pose *p = &s->poses[wall];
+    const double there[3] = {at[0] - p->ago * now[0], at[1] - p->ago * now[1], at[2] - p->ago * now[2]};
+    cross(p->past_spin, there, out);
+    for (int k = 0; k < 3; k++)
+        out[k] += p->past_speed[k];
 }
