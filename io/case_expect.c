@@ -88,6 +88,14 @@ int calx_case_stage(struct calx_reader *r, const xmlNode *node, const char *attr
     return -1;
 }
 
+static bool is_probe(const struct calx_scene *scene, const char *name)
+{
+    for (size_t k = 0; k < scene->probe_count; k++)
+        if (strcmp(scene->probes[k].name, name) == 0)
+            return true;
+    return false;
+}
+
 /* The unit of what is expected; NULL and a problem if there is no such column. */
 static const char *read_of(struct calx_reader *r, const xmlNode *node, struct calx_expect *expect)
 {
@@ -102,6 +110,9 @@ static const char *read_of(struct calx_reader *r, const xmlNode *node, struct ca
         return NULL;
     }
     const struct calx_measure *measure = calx_measure_find(probe.quantity);
+    const char *needed = measure ? calx_case_needed_choice(measure) : NULL;
+    if (needed && !is_probe(r->scene, of))
+        calx_case_fail(r, node, "of", "'%.60s' needs a <probe> that says its '%s'", of, needed);
     return measure ? measure->unit : NULL;
 }
 

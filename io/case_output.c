@@ -73,11 +73,26 @@ static void read_choices(struct calx_reader *r, const xmlNode *node, struct calx
         snprintf(probe->classes, sizeof probe->classes, "%.31s", calx_case_given(node, "classes"));
 }
 
+const char *calx_case_needed_choice(const struct calx_measure *measure)
+{
+    static const struct {
+        const char *quantity, *choice;
+    } needs[] = {{"wall-force", "wall"}, {"wall-temperature", "wall"}, {"lacey-index", "classes"}};
+    for (size_t k = 0; k < sizeof needs / sizeof *needs; k++)
+        if (strcmp(needs[k].quantity, measure->name) == 0)
+            return needs[k].choice;
+    return measure->components > 1 ? "component" : NULL;
+}
+
 /* Choices that contradict each other or the quantity. */
 static void check_probe(struct calx_reader *r, const xmlNode *node,
                         const struct calx_measure *measure, const struct calx_probe *probe)
 {
     bool one = calx_case_given(node, "particle") != NULL, many = *probe->reduce != '\0';
+    const char *needed = calx_case_needed_choice(measure);
+    if (needed && !calx_case_given(node, needed))
+        calx_case_fail(r, node, NULL, "attribute '%s' is missing: '%s' needs it", needed,
+                       measure->name);
     if (measure->per_particle && one == many)
         calx_case_fail(r, node, NULL,
                        "'%s' is of particles, expected either 'particle' or 'reduce'",
@@ -87,17 +102,13 @@ static void check_probe(struct calx_reader *r, const xmlNode *node,
                        measure->name);
     if (measure->components == 1 && probe->component)
         calx_case_fail(r, node, "component", "'%s' is a single number", measure->name);
-    if (measure->components > 1 && !probe->component)
-        calx_case_fail(
-            r, node, NULL,
-            "attribute 'component' is missing: '%s' is a vector, expected x, y, z or magnitude",
-            measure->name);
     if (probe->particle >= 0 && r->scene->particles.count &&
         (size_t)probe->particle >= r->scene->particles.count && !r->problems->count)
         calx_case_fail(r, node, "particle", "no particle %lld, ids go from 0 to %zu",
                        (long long)probe->particle, r->scene->particles.count - 1);
     if (calx_measure_has_classes(probe) && !*probe->classes)
-        calx_case_fail(r, node, NULL, "attribute 'classes' is missing: expected one of %s", calx_measure_classes());
+        calx_case_fail(r, node, NULL, "attribute 'classes' is missing: expected one of %s",
+                       calx_measure_classes());
     if (*probe->classes && !calx_measure_is_class(probe->classes))
         calx_case_fail(r, node, "classes", "'%s', expected one of %s", probe->classes,
                        calx_measure_classes());

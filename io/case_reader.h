@@ -11,6 +11,7 @@
 #include <libxml/tree.h>
 #include <stdbool.h>
 
+#include "core/calx.h"
 #include "io/case.h"
 #include "io/elements.h"
 
@@ -143,10 +144,14 @@ void calx_case_read_walls(struct calx_reader *);
 void calx_case_read_particles(struct calx_reader *);
 void calx_case_read_stages(struct calx_reader *);
 void calx_case_read_gravity(struct calx_reader *, const xmlNode *, struct calx_function gravity[3]);
+/* The attribute of <probe> without which the quantity is no single number, or NULL. (case_output.c)
+ */
+const char *calx_case_needed_choice(const struct calx_measure *);
 void calx_case_read_output(struct calx_reader *);
 void calx_case_read_expects(struct calx_reader *);
 
-/* The index of the stage that the attribute names; -1 if it is not given or there is no such stage (a problem). */
+/* The index of the stage that the attribute names; -1 if it is not given or there is no such stage
+ * (a problem). */
 int calx_case_stage(struct calx_reader *, const xmlNode *, const char *attribute);
 /* What only the whole scene shows: parameters that materials lack, densities. */
 void calx_case_check_scene(struct calx_reader *);

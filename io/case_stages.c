@@ -119,7 +119,7 @@ static size_t scene_measures(const char **names, size_t max)
 {
     size_t count = 0;
     for (size_t k = 0; k < calx_measure_count() && count < max; k++)
-        if (!calx_measure_at(k)->per_particle)
+        if (!calx_measure_at(k)->per_particle && !calx_case_needed_choice(calx_measure_at(k)))
             names[count++] = calx_measure_at(k)->name;
     return count;
 }
@@ -129,7 +129,7 @@ static const struct calx_measure *find_measure(struct calx_reader *r, const xmlN
 {
     const struct calx_measure *measure = calx_measure_find(name);
     const char *names[96];
-    if (measure && !measure->per_particle)
+    if (measure && !measure->per_particle && !calx_case_needed_choice(measure))
         return measure;
     calx_case_fail_name(r, node, "until", "quantity of the whole scene", name, names,
                         scene_measures(names, 96));

@@ -205,7 +205,7 @@ static const struct calx_element output = {"output", "output", "What is written,
 
 static const struct calx_attribute probe_attributes[] = {
     {"name", NAME, NULL, NULL, NULL, NEEDED, "of the column"},
-    {"of", NAME, NULL, NULL, NULL, NEEDED, "a quantity; `calx --help` says where they are listed"},
+    {"of", NAME, NULL, NULL, NULL, NEEDED, "a quantity of the list below"},
     {"particle", WHOLE, NULL, NULL, NULL, NO_RANGE, "id of one particle"},
     {"material", NAME, NULL, NULL, NULL, NO_RANGE, "only particles of this material"},
     {"wall", NAME, NULL, NULL, NULL, NO_RANGE, "name of the walls, for quantities of walls"},
@@ -235,7 +235,8 @@ static const struct calx_attribute expect_attributes[] = {
     {"value", VARIES, NULL, "t", NULL, ANY, "the value, a number or an expression of t"},
     {"above", QUANTITY, NULL, NULL, NULL, ANY, "a lower bound"},
     {"below", QUANTITY, NULL, NULL, NULL, ANY, "an upper bound"},
-    {"rtol", QUANTITY, "1", NULL, "0", NOT_NEGATIVE, "tolerance relative to the value"},
+    {"rtol", QUANTITY, "1", NULL, "0", NOT_NEGATIVE,
+     "tolerance relative to the value; of a change, to the larger of the first and the last value"},
     {"atol", QUANTITY, NULL, NULL, "0", 0, INFINITY, CALX_ATTRIBUTE_DIFFERENCE,
      "tolerance in the unit of the quantity"},
     {"where", TEXT, NULL, NULL, NULL, NO_RANGE,

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/measure.h"
 #include "io/elements.h"
 #include "io/schema.h"
 
@@ -135,15 +136,18 @@ static void write_unit(FILE *out, const struct calx_attribute *row)
         fputs(row->unit ? "" : "of the quantity", out);
 }
 
+/* Bounds this far out are there to catch mistakes, they tell a reader nothing. */
+#define FAR_OUT 1e9
+
 static void write_range(FILE *out, const struct calx_attribute *row)
 {
-    bool open = row->flags & CALX_ATTRIBUTE_OPEN_MIN;
+    bool from = row->min > -FAR_OUT, to = row->max < FAR_OUT;
     if (!(row->min < row->max))
         return;
-    if (isfinite(row->min))
-        fprintf(out, "%s %g", open ? ">" : ">=", row->min);
-    if (isfinite(row->max))
-        fprintf(out, "%s<= %g", isfinite(row->min) ? ", " : "", row->max);
+    if (from)
+        fprintf(out, "%s %g", row->flags & CALX_ATTRIBUTE_OPEN_MIN ? ">" : ">=", row->min);
+    if (to)
+        fprintf(out, "%s<= %g", from ? ", " : "", row->max);
 }
 
 static void write_row(FILE *out, const struct calx_attribute *row)
@@ -189,6 +193,24 @@ static void write_element(FILE *out, const struct calx_element *element)
         write_row(out, &element->attributes[k]);
 }
 
+static void write_quantities(FILE *out)
+{
+    fputs("\n## Quantities\n\nWhat `probe`, `expect` and the conditions of stages may name; for "
+          "those `of particles` a probe chooses one "
+          "particle or how to reduce all of them to one number.\n\n| quantity | unit | of | "
+          "meaning |\n|---|---|---|---|\n",
+          out);
+    for (size_t k = 0; k < calx_measure_count(); k++) {
+        const struct calx_measure *measure = calx_measure_at(k);
+        fprintf(out, "| %s | %s | %s%s | ", measure->name, measure->unit,
+                measure->per_particle ? "particles" : "the scene",
+                measure->components > 1 ? ", a vector" : "");
+        write_cell(out, measure->doc);
+        fputs(" |\n", out);
+    }
+    fprintf(out, "\nClasses for a mixing index: %s.\n", calx_measure_classes());
+}
+
 int calx_schema_write_reference(FILE *out)
 {
     const struct calx_element *list[MOST_ELEMENTS];
@@ -196,5 +218,6 @@ int calx_schema_write_reference(FILE *out)
     fputs(introduction, out);
     for (size_t k = 0; k < count; k++)
         write_element(out, list[k]);
+    write_quantities(out);
     return fflush(out) || ferror(out) ? CALX_ERROR_IO : CALX_OK;
 }

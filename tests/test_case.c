@@ -355,6 +355,25 @@ START_TEST(test_reference)
 }
 END_TEST
 
+/* The example of the reference is a case. */
+START_TEST(test_example_of_the_reference)
+{
+    static char text[1 << 17];
+    FILE *file = fopen(source_path("cases/FORMAT.md"), "r");
+    ck_assert_ptr_nonnull(file);
+    text[fread(text, 1, sizeof text - 1, file)] = '\0';
+    fclose(file);
+    char *begin = strstr(text, "<case"), *end = strstr(text, "</case>");
+    ck_assert(begin && end);
+    end[strlen("</case>")] = '\0';
+    put_file("example.xml", begin);
+    scene = calx_case_read(in_folder("example.xml"), registry, NULL, 0, &problems);
+    calx_problems_print(&problems, stderr);
+    ck_assert_ptr_nonnull(scene);
+    ck_assert_uint_eq(scene->expect_count, 1);
+}
+END_TEST
+
 static void add_tests(TCase *cases)
 {
     tcase_add_loop_test(cases, test_bad_settings, 0, COUNT(bad_settings));
@@ -367,6 +386,7 @@ static void add_tests(TCase *cases)
     tcase_add_test(cases, test_results);
     tcase_add_test(cases, test_grammar);
     tcase_add_test(cases, test_reference);
+    tcase_add_test(cases, test_example_of_the_reference);
 }
 
 int main(void)
