@@ -48,7 +48,8 @@ static void read_value(struct calx_reader *r, const xmlNode *node, struct calx_m
                      : calx_case_parameter_value(r, node, row, calx_case_given(node, name));
     check_ranges(r, node, name, v);
     if (strcmp(name, "density") == 0)
-        material->density = isnan(v) ? INFINITY : v; /* a mistake is told once, not as missing too */
+        material->density =
+            isnan(v) ? INFINITY : v; /* a mistake is told once, not as missing too */
     else if (strcmp(name, "specific-heat") == 0)
         material->specific_heat = isnan(v) ? INFINITY : v;
     else
