@@ -11,10 +11,16 @@
 #include "core/gather.h"
 #include "core/vector.h"
 
+enum { AHEAD = 12 }; /* ghosts whose sources are fetched in advance */
+
 static void refresh_ghosts(struct calx_sim *s, const struct calx_row_block *b)
 {
     const struct calx_scene *scene = s->scene;
-    for (int32_t row = b->first + b->own; row < b->first + b->own + b->ghosts; row++) {
+    int32_t end = b->first + b->own + b->ghosts;
+    for (int32_t row = b->first + b->own; row < end; row++) {
+        int32_t ahead = s->r.source[row + AHEAD < end ? row + AHEAD : row];
+        __builtin_prefetch(calx_row_x(s, ahead));
+        __builtin_prefetch(calx_row_v(s, ahead));
         const double *x = calx_row_x(s, s->r.source[row]);
         calx_v4 at = calx_v4_load(x);
         if (s->r.shift) {

@@ -8,6 +8,19 @@
 #include "core/gather.h"
 #include "core/vector.h"
 
+/* The batch will want these rows when it is full: by then they are on their way. */
+static inline void fetch_ahead(const struct calx_block_view *b, size_t pair, int32_t i, int32_t j)
+{
+    size_t stride = b->s->plan->history_stride;
+    const double *history = b->s->pairs.history + stride * pair;
+    if (stride) {
+        __builtin_prefetch(history);
+        __builtin_prefetch(history + stride - 1);
+    }
+    __builtin_prefetch(b->v + b->stride * (size_t)i);
+    __builtin_prefetch(b->v + b->stride * (size_t)j);
+}
+
 /* The eight pairs from `first`, of which `count` exist: appends to the batch those that count. */
 static void select_eight(const struct calx_block_view *b, size_t first, unsigned exist, double gap,
                          struct calx_columns *c)
@@ -32,6 +45,7 @@ static void select_eight(const struct calx_block_view *b, size_t first, unsigned
         c->source[c->n] = first + k;
         c->row[0][c->n] = i[k];
         c->row[1][c->n++] = j[k];
+        fetch_ahead(b, first + k, i[k], j[k]);
     }
 }
 

@@ -15,7 +15,7 @@
 #include "core/measure.h"
 
 enum {
-    CALX_BLOCK = 512,        /* own rows per block */
+    CALX_BLOCK = 1024,        /* own rows per block */
     CALX_LAWS_MAX = 8,       /* contact laws in one stack */
     CALX_HISTORY_MAX = 24,   /* history columns of one stack */
     CALX_STAGES_MAX = 8,     /* force evaluations per step */
