@@ -41,26 +41,37 @@ static double largest_speed2(const struct calx_sim *s, const struct calx_row_blo
     return largest;
 }
 
-void calx_integrate_before(struct calx_sim *s, size_t stage)
+/* The stage's kernels before the evaluation on one block; returns the square of the largest speed. */
+static double before(struct calx_sim *s, const struct calx_row_block *b, size_t stage)
 {
     const struct calx_motion_integrator *law = s->plan->motion_law;
-    const void *params = s->plan->motion_params;
+    struct calx_clock *clock = calx_timing_clock(s);
+    double *extra[CALX_EXTRA_MAX];
+    calx_timing_restart(clock);
+    struct calx_rows rows = translation_rows(s, b, extra);
+    if (law->translation[stage].before)
+        law->translation[stage].before(s->plan->motion_params, &rows);
+    if (s->features.rotation && law->rotation[stage].before) {
+        rows = rotation_rows(s, b, extra);
+        law->rotation[stage].before(s->plan->motion_params, &rows);
+    }
+    double speed2 = largest_speed2(s, b);
+    calx_timing_lap(clock, CALX_PHASE_INTEGRATE);
+    return speed2;
+}
+
+void calx_integrate_before(struct calx_sim *s, size_t stage)
+{
     double largest = 0.0;
-#pragma omp parallel for schedule(static) num_threads(s->team) if (s->team > 1) reduction(max : largest)
-    for (size_t b = 0; b < s->block_count; b++) {
-        double *extra[CALX_EXTRA_MAX];
-        struct calx_clock *clock = calx_timing_clock(s);
-        calx_timing_restart(clock);
-        struct calx_rows rows = translation_rows(s, &s->blocks[b], extra);
-        if (law->translation[stage].before)
-            law->translation[stage].before(params, &rows);
-        if (s->features.rotation && law->rotation[stage].before) {
-            rows = rotation_rows(s, &s->blocks[b], extra);
-            law->rotation[stage].before(params, &rows);
+    if (s->team <= 1) {
+        for (size_t b = 0; b < s->block_count; b++)
+            largest = fmax(largest, before(s, &s->blocks[b], stage));
+    } else {
+#pragma omp parallel for schedule(static) num_threads(s->team) reduction(max : largest)
+        for (size_t b = 0; b < s->block_count; b++) {
+            double speed2 = before(s, &s->blocks[b], stage);
+            largest = speed2 > largest ? speed2 : largest;
         }
-        double speed2 = largest_speed2(s, &s->blocks[b]);
-        largest = speed2 > largest ? speed2 : largest;
-        calx_timing_lap(clock, CALX_PHASE_INTEGRATE);
     }
     s->speed = sqrt(largest);
     s->drift += s->speed * s->plan->dt;

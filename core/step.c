@@ -26,25 +26,34 @@ static void swap_wall_contacts(struct calx_sim *s)
     }
 }
 
-/* Each thread takes a run of blocks in order. A block is finished while it is in cache, as soon as the blocks that add to it are done; those
- * that wait for another thread's blocks come after the barrier. Nobody reads a block's rows once the blocks that add to it are
- * done: they are the ones that keep copies of it. */
+/* The blocks of one thread, in order. A block is finished while it is in cache, as soon as the blocks that add to it are done; those that
+ * wait for another thread's blocks come after the barrier. Nobody reads a block's rows once the blocks that add to it are done:
+ * they are the ones that keep copies of it. */
+static void sweep_part(struct calx_sim *s, double dt, bool conduct, int stage, size_t me, size_t team)
+{
+    size_t first = s->block_count * me / team, last = s->block_count * (me + 1) / team;
+    for (size_t b = first; b < last; b++) {
+        s->engine->block_forces(s, b, dt, conduct);
+        if (s->blocks[b].earliest >= first)
+            calx_integrate_finish(s, b, stage);
+    }
+    if (team == 1)
+        return;
+#pragma omp barrier
+    for (size_t b = first; b < last; b++)
+        if (s->blocks[b].earliest < first)
+            calx_integrate_finish(s, b, stage);
+}
+
+/* A parallel region costs microseconds even for one thread: a scene of one block does without. */
 static void sweep(struct calx_sim *s, double dt, bool conduct, int stage)
 {
-#pragma omp parallel num_threads(s->team) if (s->team > 1)
-    {
-        size_t team = (size_t)omp_get_num_threads(), me = (size_t)omp_get_thread_num();
-        size_t first = s->block_count * me / team, last = s->block_count * (me + 1) / team;
-        for (size_t b = first; b < last; b++) {
-            s->engine->block_forces(s, b, dt, conduct);
-            if (s->blocks[b].earliest >= first)
-                calx_integrate_finish(s, b, stage);
-        }
-#pragma omp barrier
-        for (size_t b = first; b < last; b++)
-            if (s->blocks[b].earliest < first)
-                calx_integrate_finish(s, b, stage);
+    if (s->team <= 1) {
+        sweep_part(s, dt, conduct, stage, 0, 1);
+        return;
     }
+#pragma omp parallel num_threads(s->team)
+    sweep_part(s, dt, conduct, stage, (size_t)omp_get_thread_num(), (size_t)omp_get_num_threads());
 }
 
 int calx_step_forces(struct calx_sim *s, double dt, bool conduct, int stage, struct calx_error *e)
