@@ -122,12 +122,28 @@ static void find_range(const struct calx_pack_grid *grid, int level, const doubl
     }
 }
 
+/* Where a search would visit more cells than there are buckets (a large body among small ones): every body of the level. */
+static bool visit_whole_level(const struct calx_pack_grid *grid, int level,
+                              bool (*visit)(void *context, int32_t j), void *context)
+{
+    for (size_t bucket = 0; bucket <= grid->mask; bucket++)
+        for (int32_t j = grid->head[bucket]; j >= 0; j = grid->next[j])
+            if (grid->key[j] >> 57 == (uint64_t)level && !visit(context, j))
+                return false;
+    return true;
+}
+
 static bool visit_level(const struct calx_pack_grid *grid, int level, const double x[3],
                         double reach, bool (*visit)(void *context, int32_t j), void *context)
 {
     int64_t first[3] = {0}, last[3] = {0}, c[3], cell[3];
     const int64_t *cells = grid->cells[level];
+    double count = 1;
     find_range(grid, level, x, reach, first, last);
+    for (int k = 0; k < 3; k++)
+        count *= (double)(last[k] - first[k] + 1);
+    if (count > (double)grid->mask)
+        return visit_whole_level(grid, level, visit, context);
     for (c[2] = first[2]; c[2] <= last[2]; c[2]++) {
         cell[2] = wrap(c[2], cells[2]);
         for (c[1] = first[1]; c[1] <= last[1]; c[1]++) {

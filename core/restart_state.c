@@ -11,7 +11,7 @@
 
 /* The numbers that are not arrays. */
 struct scalars {
-    double time, stage_start, dt_now, speed, skin, drift, wall_drift, gravity[3];
+    double time, stage_start, dt_now, held, speed, skin, drift, wall_drift, gravity[3];
     int64_t step, stage_step, rebuilds;
     int32_t stage, models;
     uint8_t done, stage_began, built;
@@ -24,6 +24,7 @@ struct scalars {
 #define COPY_SCALARS(to, from)                                                                     \
     do {                                                                                           \
         (to)->time = (from)->time, (to)->stage_start = (from)->stage_start;                        \
+        (to)->held = (from)->held;                                                                 \
         (to)->dt_now = (from)->dt_now, (to)->speed = (from)->speed, (to)->skin = (from)->skin;     \
         (to)->drift = (from)->drift, (to)->wall_drift = (from)->wall_drift;                        \
         memcpy((to)->gravity, (from)->gravity, sizeof (to)->gravity);                              \

@@ -126,6 +126,7 @@ struct calx_stage_spec {
     char condition[64];    /* quantity, as in calx_measure_find(); "" for none */
     enum calx_relation relation;
     double bound;          /* SI */
+    double hold;           /* s for which the condition must hold without a break */
     struct calx_function gravity[3]; /* m/s2 */
     struct calx_motion *motion;      /* one per wall */
     struct calx_function *wall_temperature; /* one per wall, K */

@@ -144,6 +144,7 @@ struct calx_sim {
 
     /* time */
     double time, stage_start, dt_now;
+    double held;                /* s: for how long the stage's condition holds */
     int64_t step, stage_step;
     int stage;
     bool done, stage_began;
@@ -257,8 +258,8 @@ int calx_walls_create(struct calx_sim *, struct calx_error *);
 void calx_walls_begin_stage(struct calx_sim *);
 void calx_walls_move(struct calx_sim *, double t, double dt);
 void calx_walls_velocity(const struct calx_sim *, int wall, const double at[3], double out[3]);
-/* Of the point of the wall that is at `at` with velocity `now`, at the moment that the velocities of the grains belong to. */
-void calx_walls_past_velocity(const struct calx_sim *, int wall, const double at[3], const double now[3],
+/* At the moment that the velocities of the grains belong to, of what was then under the grain that now touches `at` and moves with `carried`. */
+void calx_walls_past_velocity(const struct calx_sim *, int wall, const double at[3], const double carried[3],
                               double out[3]);
 struct calx_touch { double distance, normal[3], point[3]; bool end; };
 void calx_surface_nearest(const struct calx_primitive *, uint32_t dimension, const double x[3], struct calx_touch *);

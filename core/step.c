@@ -124,7 +124,9 @@ static bool condition_holds(struct calx_sim *s)
         return false;
     memcpy(probe.quantity, stage->condition, sizeof probe.quantity);
     double v = calx_sim_measure(s, &probe);
-    return stage->relation == CALX_BELOW ? v < stage->bound : v > stage->bound;
+    bool holds = stage->relation == CALX_BELOW ? v < stage->bound : v > stage->bound;
+    s->held = holds ? s->held + 64.0 * s->plan->dt : 0.0;
+    return holds && s->held > stage->hold;
 }
 
 static int end_stage(struct calx_sim *s, struct calx_error *e)
@@ -166,6 +168,7 @@ int calx_step_begin_stage(struct calx_sim *s, int stage, struct calx_error *e)
     s->stage = stage;
     s->stage_step = 0;
     s->stage_start = s->time;
+    s->held = 0.0;
     calx_walls_begin_stage(s);
     set_gravity(s, s->time);
     if (plan != s->plan && s->built)

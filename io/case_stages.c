@@ -183,10 +183,14 @@ static void read_length(struct calx_reader *r, const xmlNode *node, double begin
     if ((length != NULL) == (until != NULL))
         calx_case_fail(r, node, NULL, "has %s, expected either 'for' or 'until'",
                        length ? "both 'for' and 'until'" : "no end");
-    if (calx_case_given(node, "at-most") && !condition)
-        calx_case_fail(r, node, "at-most", "is for a stage that ends by a condition");
+    for (size_t k = 0; k < 2; k++) {
+        const char *name = k ? "hold" : "at-most";
+        if (calx_case_given(node, name) && !condition)
+            calx_case_fail(r, node, name, "is for a stage that ends by a condition");
+    }
     if (condition) {
         read_condition(r, node, until, stage);
+        stage->hold = calx_case_number(r, node, "hold");
         stage->duration = isnan(at_most) ? INFINITY : at_most;
     } else if (length) {
         stage->duration = calx_case_number(r, node, "for");

@@ -135,7 +135,7 @@ static const struct calx_attribute move_attributes[] = {
     {"rotate", VARIES, "rad/s", "t", "0", ANY,
      "angular velocity, as in \"10 rpm\"; counter-clockwise in 2D"},
     {"about", VECTOR, "m", NULL, "0 0 0", A_PLACE, "a point on the axis of rotation"},
-    {"axis", VECTOR, "1", NULL, "0 0 1", ANY, "direction of the axis of rotation, in 3D"},
+    {"axis", VECTOR, "1", NULL, NULL, ANY, "direction of the axis of rotation; needed in 3D"},
     {"velocity", VARYING_VECTOR, "m/s", "t", NULL, ANY,
      "each component may be an expression of t, the time of the run"},
     {"amplitude", VECTOR, "m", NULL, NULL, A_PLACE,
@@ -174,6 +174,8 @@ static const struct calx_attribute stage_attributes[] = {
     {"until", CALX_FORM_CONDITION, "s", NULL, NULL, POSITIVE,
      "its end: a time of the run, or a condition as in \"kinetic-energy &lt; 1e-9 J\" (in XML, `<` "
      "is written `&lt;`)"},
+    {"hold", QUANTITY, "s", NULL, "0", NOT_NEGATIVE,
+     "how long the condition must hold without a break: a bouncing bed has moments of little energy"},
     {"at-most", QUANTITY, "s", NULL, NULL, POSITIVE,
      "its length if the condition does not come true before"},
 };
