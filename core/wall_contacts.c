@@ -79,6 +79,16 @@ static int32_t surface_of(const struct calx_sim *s, int32_t primitive)
     return s->posed[primitive].wall * 65536 + s->posed[primitive].p.surface;
 }
 
+/* Which of a full list is farthest. */
+static size_t farthest(const struct candidate *list)
+{
+    size_t most = 0;
+    for (size_t k = 1; k < NEAR_MAX; k++)
+        if (list[k].touch.distance > list[most].touch.distance)
+            most = k;
+    return most;
+}
+
 /* The candidates of the particle whose near list starts at `at`; returns where the next particle's starts. */
 static size_t collect(const struct calx_sim *s, const struct calx_row_block *b, size_t at,
                       struct candidate *list, size_t *count)
@@ -89,10 +99,13 @@ static size_t collect(const struct calx_sim *s, const struct calx_row_block *b, 
     for (; at < b->near_first + b->near_count && s->near_row[at] == row; at++) {
         struct candidate k = {.primitive = s->near_primitive[at]};
         calx_surface_nearest(&s->posed[k.primitive].p, s->scene->dimension, x, &k.touch);
-        if (*count == NEAR_MAX)
+        if (k.touch.distance >= 2.0 * x[3] + s->plan->gap) /* neither touches nor did a step ago */
             continue;
+        bool full = *count == NEAR_MAX;
+        size_t to = full ? farthest(list) : (*count)++;
         k.surface = surface_of(s, k.primitive);
-        list[(*count)++] = k;
+        if (!full || k.touch.distance < list[to].touch.distance)
+            list[to] = k;
     }
     return at;
 }
@@ -114,7 +127,7 @@ static void fill_lane(struct wall_batch *w, int32_t row, const struct candidate 
     int wall = s->posed[k->primitive].wall;
     double past[3], *now = w->point_velocity[lane];
     calx_walls_velocity(s, wall, k->touch.point, now);
-    calx_walls_past_velocity(s, wall, k->touch.point, now, past);
+    calx_walls_past_velocity(s, wall, k->touch.point, v, past);
     const double *seen = w->dt > 0.0 ? past : now; /* as the grains' own velocities */
     double depth = x[3] - k->touch.distance;
     c->overlap[lane] = depth;

@@ -223,11 +223,13 @@ void calx_walls_velocity(const struct calx_sim *s, int wall, const double at[3],
         out[k] += p->speed[k];
 }
 
-void calx_walls_past_velocity(const struct calx_sim *s, int wall, const double at[3], const double now[3],
+void calx_walls_past_velocity(const struct calx_sim *s, int wall, const double at[3], const double carried[3],
                               double out[3])
 {
     const struct calx_pose *p = &s->poses[wall];
-    const double there[3] = {at[0] - p->ago * now[0], at[1] - p->ago * now[1], at[2] - p->ago * now[2]};
+    double there[3];
+    for (int k = 0; k < 3; k++)
+        there[k] = at[k] - p->ago * carried[k];
     cross(p->past_spin, there, out);
     for (int k = 0; k < 3; k++)
         out[k] += p->past_speed[k];

@@ -147,8 +147,8 @@ static const struct gas gases[] = {
     {3, 100, "pww", 2},
 };
 
-enum { GRAINS = 700, STEPS = 400, REBUILDS = 20, BORDER = 10 };
-static const double GRAIN[] = {0.013, 0.04}; /* of a unit box, in 2D and 3D: a fifth to a third of it is full */
+enum { GRAINS = CALX_BLOCK + 200, STEPS = 400, REBUILDS = 20, BORDER = 10 };
+static const double GRAIN[] = {0.010, 0.034}; /* of a unit box, in 2D and 3D: a fifth to two fifths of it are full */
 static const double FASTEST = 3.5;           /* m/s, 2 along each of three axes */
 
 static bool overlaps(const struct calx_scene *s, size_t count, const double *x, double radius)
