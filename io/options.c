@@ -12,6 +12,7 @@
 #include <string.h>
 
 enum { MOST_THREADS = 1024, MOST_OPTIONS = 16 };
+static const long long MOST_STEPS = 1000000000000;
 
 /* ---- the options ---- */
 
@@ -51,6 +52,58 @@ static int set_threads(struct calx_arguments *a, const char *value, struct calx_
                               "--threads needs a whole number from 1 to %d, not '%s'", MOST_THREADS,
                               value);
     a->threads = (int)n;
+    return CALX_OK;
+}
+
+static int set_thread_list(struct calx_arguments *a, const char *value, struct calx_error *error)
+{
+    a->thread_count = 0;
+    for (const char *word = value;; ++word) {
+        char *end;
+        errno = 0;
+        long n = strtol(word, &end, 10);
+        bool number = !errno && end != word && n >= 1 && n <= MOST_THREADS;
+        if (!number || (*end && *end != ',') || a->thread_count == CALX_OPTIONS_THREADS)
+            return calx_error_set(error, CALX_ERROR_INPUT,
+                                  "--threads needs up to %d whole numbers from 1 to %d with commas "
+                                  "between them, as in 1,2, not '%s'",
+                                  CALX_OPTIONS_THREADS, MOST_THREADS, value);
+        a->thread_list[a->thread_count++] = (int)n;
+        if (!*end)
+            return CALX_OK;
+        word = end;
+    }
+}
+
+/* A whole number of steps from `least` on. */
+static int read_steps(const char *option, const char *value, int64_t least, int64_t *steps,
+                      struct calx_error *error)
+{
+    char *end;
+    errno = 0;
+    long long n = strtoll(value, &end, 10);
+    if (errno || end == value || *end || n < least || n > MOST_STEPS)
+        return calx_error_set(error, CALX_ERROR_INPUT,
+                              "%s needs a whole number from %lld to %lld, not '%s'", option,
+                              (long long)least, MOST_STEPS, value);
+    *steps = n;
+    return CALX_OK;
+}
+
+static int set_steps(struct calx_arguments *a, const char *value, struct calx_error *error)
+{
+    return read_steps("--steps", value, 1, &a->steps, error);
+}
+
+static int set_warm(struct calx_arguments *a, const char *value, struct calx_error *error)
+{
+    return read_steps("--warm", value, 0, &a->warm, error);
+}
+
+static int set_json(struct calx_arguments *a, const char *value, struct calx_error *error)
+{
+    (void)value, (void)error;
+    a->json = true;
     return CALX_OK;
 }
 
@@ -102,6 +155,14 @@ const struct calx_option calx_option_check = {
     "--check", "FILE.so", "run the conformance suite on that plugin", set_check};
 const struct calx_option calx_option_reference = {
     "--reference", NULL, "the reference for people (cases/FORMAT.md) instead", set_reference};
+const struct calx_option calx_option_thread_list = {
+    "--threads", "N,M,...", "numbers of threads to measure (all cores)", set_thread_list};
+const struct calx_option calx_option_steps = {
+    "--steps", "N", "steps on the clock (as many as take 2 s)", set_steps};
+const struct calx_option calx_option_warm = {"--warm", "N", "steps before the clock starts (100)",
+                                             set_warm};
+const struct calx_option calx_option_json = {"--json", NULL,
+                                             "one JSON object per number of threads", set_json};
 static const struct calx_option option_help = {"--help", NULL, "this text", set_help};
 
 /* ---- parsing ---- */
@@ -170,7 +231,7 @@ static int check_operands(const struct calx_command *command, const struct calx_
 int calx_options_parse(const struct calx_command *command, int argc, char **argv,
                        struct calx_arguments *a, struct calx_error *error)
 {
-    *a = (struct calx_arguments){0};
+    *a = (struct calx_arguments){.warm = -1};
     a->operands = calloc((size_t)argc + 1, sizeof *a->operands);
     if (!a->operands)
         return calx_error_set(error, CALX_ERROR_MEMORY, "out of memory");
