@@ -11,6 +11,15 @@
 #include "core/gather.h"
 #include "core/vector.h"
 
+/* Pairs read the rows of a block in no order that the processor could foresee: asked for in order first, they come at full speed. */
+static void fetch_block(const struct calx_sim *s, const struct calx_row_block *b)
+{
+    for (int32_t row = b->first; row < b->first + b->own; row++) {
+        __builtin_prefetch(calx_row_x(s, row));
+        __builtin_prefetch(calx_row_v(s, row));
+    }
+}
+
 enum { AHEAD = 12 }; /* ghosts whose sources are fetched in advance */
 
 static void refresh_ghosts(struct calx_sim *s, const struct calx_row_block *b)
@@ -230,6 +239,7 @@ static void block_forces(struct calx_sim *s, size_t block, double dt, bool condu
     size_t rows = (size_t)(b.block->own + b.block->ghosts);
     b.clock = calx_timing_clock(s);
     calx_timing_restart(b.clock);
+    fetch_block(s, b.block);
     memset(b.tally, 0, sizeof *b.tally);
     memset(b.a, 0, rows * b.stride * sizeof(double));
     refresh_ghosts(s, b.block);
