@@ -99,6 +99,8 @@ int calx_guard_step(struct calx_sim *s, struct calx_error *e)
     for (size_t b = 0; b < s->block_count; b++)
         if (isnan(s->tallies[b].finite))
             return not_finite(s, e);
+    if (s->step % SELDOM == 0)
+        CALX_TRY(calx_heat_check(s, e));
     if (!s->plan->motion)
         return 0;
     for (size_t b = 0; b < s->block_count; b++)

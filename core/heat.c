@@ -4,9 +4,10 @@
  * the contact pass left, gathered in block order so that sums have a fixed order.
  * Source: m c dT/dt = sum H (T_j - T_i) + dissipation.
  */
+#include <math.h>
 #include <stdlib.h>
 
-#include "core/state.h"
+#include "core/columns.h"
 
 static int32_t place_of_row(const struct calx_sim *s, int32_t row)
 {
@@ -168,4 +169,58 @@ int calx_heat_step(struct calx_sim *s, struct calx_error *e)
         return step_global(s, e);
     step_staged(s);
     return 0;
+}
+
+/* Sums of conductances by row; insulated walls take no heat. */
+struct exchange {
+    const struct calx_sim *s;
+    double *sum;
+};
+
+static void add_exchange(void *context, const struct calx_columns *c, size_t lane, int32_t row_i, int32_t row_j)
+{
+    const struct exchange *x = context;
+    if (row_j < 0 && !x->s->scene->walls[-1 - row_j].isothermal)
+        return;
+    x->sum[row_i] += c->conductance[lane];
+    if (row_j >= 0)
+        x->sum[row_j] += c->conductance[lane];
+}
+
+/* The body that exchanges heat fastest, and how fast, 1/s. */
+static double fastest_exchange(const struct calx_sim *s, double *sum, int32_t *fastest)
+{
+    double most = 0.0;
+    for (size_t b = 0; b < s->block_count; b++)
+        for (int32_t g = s->blocks[b].first + s->blocks[b].own, k = 0; k < s->blocks[b].ghosts; k++)
+            sum[s->r.source[g + k]] += sum[g + k];
+    for (size_t b = 0; b < s->block_count; b++)
+        for (int32_t row = s->blocks[b].first; row < s->blocks[b].first + s->blocks[b].own; row++) {
+            double rate = sum[row] * s->r.inverse_capacity[row];
+            *fastest = rate > most ? row : *fastest;
+            most = fmax(most, rate);
+        }
+    return most;
+}
+
+int calx_heat_check(struct calx_sim *s, struct calx_error *e)
+{
+    const struct calx_plan *p = s->plan;
+    if (!p->heat_law || !p->conductance || p->heat_law->unconditional || !s->block_count)
+        return 0;
+    struct exchange x = {s, calloc(s->r.rows, sizeof *x.sum)};
+    struct calx_sink sink = {&x, add_exchange};
+    int32_t fastest = s->blocks[0].first;
+    if (!x.sum)
+        return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory to check the heat step");
+    for (size_t b = 0; b < s->block_count; b++)
+        s->engine->block_network(s, b, &sink);
+    double limit = 0.5 * p->heat_law->stability / fastest_exchange(s, x.sum, &fastest);
+    free(x.sum);
+    if (p->heat_dt <= limit)
+        return 0;
+    return calx_error_set(e, CALX_ERROR_PHYSICS,
+        "at t = %g s the heat step of %g s is too long for %s: particle %lld exchanges heat so fast that temperatures "
+        "overshoot beyond %g s. Give that integrator of temperature a shorter dt, or use heat-theta", s->time,
+        p->heat_dt, p->heat->name, (long long)s->r.id[fastest], limit);
 }

@@ -272,6 +272,7 @@ void calx_integrate_finish(struct calx_sim *, size_t block, int stage);
 
 /* heat.c */
 int calx_heat_step(struct calx_sim *, struct calx_error *); /* after the forces of step s->stage_step */
+int calx_heat_check(struct calx_sim *, struct calx_error *); /* fails if the heat step is unstable: max sum H/C, Gershgorin */
 
 /* ledger.c */
 void calx_ledger_begin(struct calx_sim *);
