@@ -68,14 +68,18 @@ static void relative_spin(size_t n, const column *restrict wi, const column *res
             spin[k][c] = wi[k][c] - wj[k][c];
 }
 
-/* Lays a history vector into the plane of n and keeps its length. */
-static void turn_vector(size_t n, const column *restrict normal, column *restrict h)
+/* Turns a history vector with the normal since the evaluation before, and keeps its length: by the least rotation, h - (h.n)/(m.n) m with m along the normal half
+ * way. m is that of the velocity (lag 1/2); with another lag, and at walls, m = n: h is laid into the plane of n, first order in the turn. */
+static void turn_vector(size_t n, const column *restrict normal, const column *restrict velocity,
+                        const double *restrict tilt, column *restrict h)
 {
     for (size_t c = 0; c < n; c++) {
+        double mx = normal[0][c] - tilt[c] * velocity[0][c], my = normal[1][c] - tilt[c] * velocity[1][c],
+               mz = normal[2][c] - tilt[c] * velocity[2][c];
         double before = h[0][c] * h[0][c] + h[1][c] * h[1][c] + h[2][c] * h[2][c];
         double hn = h[0][c] * normal[0][c] + h[1][c] * normal[1][c] + h[2][c] * normal[2][c];
-        double x = h[0][c] - hn * normal[0][c], y = h[1][c] - hn * normal[1][c],
-               z = h[2][c] - hn * normal[2][c];
+        double f = hn / (mx * normal[0][c] + my * normal[1][c] + mz * normal[2][c]);
+        double x = h[0][c] - f * mx, y = h[1][c] - f * my, z = h[2][c] - f * mz;
         double after = x * x + y * y + z * z;
         double s = after > 0.0 ? sqrt(before / after) : 0.0;
         h[0][c] = s * x;
@@ -128,7 +132,7 @@ static void kinematics(const struct calx_plan *p, double dt, struct calx_columns
         relative_spin(padded, c->omega[0], c->omega[1], c->spin);
     for (size_t h = 0; h < p->history; h++)
         if (p->history_is_vector[h])
-            turn_vector(padded, c->normal, &c->history[h]);
+            turn_vector(padded, c->normal, c->velocity, c->tilt, &c->history[h]);
 }
 
 /* The batch as a plugin sees it: columns it has not asked for are NULL. */

@@ -35,12 +35,11 @@ static int too_deep(const struct calx_sim *s, const struct calx_tally *t, struct
     if (j < 0)
         snprintf(partner, sizeof partner, "wall '%s'", s->scene->walls[-1 - j].name);
     else
-        snprintf(partner, sizeof partner, "particle %lld",
-                 (long long)s->r.id[j >= 0 && s->r.source && s->r.source[j] ? s->r.source[j] : j]);
+        snprintf(partner, sizeof partner, "particle %lld", (long long)calx_row_id(s, j));
     return calx_error_set(e, CALX_ERROR_PHYSICS,
         "at t = %g s particle %lld overlaps %s by %.0f %% of the smaller radius. The contact is too soft for the forces on "
         "it, or bodies overlap at the start: raise the stiffness, lower the speeds, or start without overlap", s->time,
-        (long long)s->r.id[t->overlap_rows[0]], partner, 100.0 * t->overlap);
+        (long long)calx_row_id(s, t->overlap_rows[0]), partner, 100.0 * t->overlap);
 }
 
 static int too_fast(const struct calx_sim *s, struct calx_error *e)

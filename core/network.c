@@ -36,22 +36,6 @@ static int grow(struct network *n)
     return 0;
 }
 
-static int64_t id_of(const struct calx_sim *s, int32_t row)
-{
-    /* a ghost has the radius of its source and no id of its own */
-    for (size_t lo = 0, hi = s->block_count; lo < hi;) {
-        size_t mid = (lo + hi) / 2;
-        const struct calx_row_block *b = &s->blocks[mid];
-        if (row < b->first)
-            hi = mid;
-        else if (row >= b->first + b->own + b->ghosts)
-            lo = mid + 1;
-        else
-            return s->r.id[row >= b->first + b->own ? s->r.source[row] : row];
-    }
-    return -1;
-}
-
 /* Friction counts as mobilised when a law that limits it says so: |ft| at its limit mu |fn|, with mu found by name. */
 static double friction_of(const struct calx_plan *p, size_t type)
 {
@@ -93,7 +77,7 @@ static void take(void *context, const struct calx_columns *c, size_t lane, int32
 {
     struct network *n = context;
     const struct calx_sim *s = n->s;
-    int64_t id[2] = {id_of(s, row_i), row_j < 0 ? row_j : id_of(s, row_j)};
+    int64_t id[2] = {calx_row_id(s, row_i), row_j < 0 ? row_j : calx_row_id(s, row_j)};
     size_t material_j = row_j < 0 ? (size_t)s->scene->walls[-1 - row_j].material : (size_t)s->r.material[row_j];
     size_t type = (size_t)s->r.material[row_i] * s->scene->material_count + material_j;
     if (c->overlap[lane] > 0.0)

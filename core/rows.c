@@ -111,3 +111,19 @@ void calx_rows_copy(struct calx_rows_arrays *to, size_t t, const struct calx_row
         if (to->extra[k])
             memcpy(to->extra[k] + 4 * t, from->extra[k] + 4 * f, 4 * sizeof(double));
 }
+
+int64_t calx_row_id(const struct calx_sim *s, int32_t row)
+{
+    /* a ghost has the radius of its source and no id of its own */
+    for (size_t lo = 0, hi = s->block_count; lo < hi;) {
+        size_t mid = (lo + hi) / 2;
+        const struct calx_row_block *b = &s->blocks[mid];
+        if (row < b->first)
+            hi = mid;
+        else if (row >= b->first + b->own + b->ghosts)
+            lo = mid + 1;
+        else
+            return s->r.id[row >= b->first + b->own ? s->r.source[row] : row];
+    }
+    return -1;
+}

@@ -289,6 +289,9 @@ int calx_guard_left(const struct calx_sim *, int32_t row, int axis, struct calx_
 int calx_step_forces(struct calx_sim *, double dt, bool conduct, int stage, struct calx_error *);
 int calx_step_begin_stage(struct calx_sim *, int stage, struct calx_error *);
 
+/* rows.c: the id of the body of a row, own or ghost. */
+int64_t calx_row_id(const struct calx_sim *, int32_t row);
+
 /* The row a frame or message calls particle `id`. */
 static inline double *calx_row_x(const struct calx_sim *s, int32_t row) { return s->r.x + 4 * (size_t)row; }
 static inline double *calx_row_v(const struct calx_sim *s, int32_t row) { return s->r.v + s->r.stride * (size_t)row; }
