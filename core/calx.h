@@ -25,6 +25,10 @@ void calx_sim_free(struct calx_sim *);
 /* One step; a stage that has ended hands over to the next. Errors: CALX_ERROR_PHYSICS with time, particles, reason and remedy. */
 int calx_sim_step(struct calx_sim *, struct calx_error *);
 
+/* Up to `steps` steps that nobody looks at in between: the same bits as so many calls of calx_sim_step(), sooner. Stops before a step that
+ * ends a stage or that a guard looks at, which are for calx_sim_step(): *made may be 0. */
+int calx_sim_advance(struct calx_sim *, int64_t steps, int64_t *made, struct calx_error *);
+
 bool calx_sim_done(const struct calx_sim *);    /* the last stage has ended */
 double calx_sim_time(const struct calx_sim *);  /* s */
 double calx_sim_end(const struct calx_sim *);   /* s, the latest end of the last stage; infinite if only a condition ends it */

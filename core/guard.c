@@ -9,7 +9,6 @@
 
 #include "core/state.h"
 
-enum { SELDOM = 256 }; /* steps between the dearer checks */
 static const double OVERLAP_BOUND = 0.5;      /* of the smaller radius */
 static const double DISPLACEMENT_BOUND = 0.5; /* of the smallest radius, per step */
 static const double ENERGY_BOUND = 0.5;       /* of the largest energy that took part */
@@ -98,7 +97,7 @@ int calx_guard_step(struct calx_sim *s, struct calx_error *e)
     for (size_t b = 0; b < s->block_count; b++)
         if (isnan(s->tallies[b].finite))
             return not_finite(s, e);
-    if (s->step % SELDOM == 0)
+    if (s->step % CALX_SELDOM == 0)
         CALX_TRY(calx_heat_check(s, e));
     if (!s->plan->motion)
         return 0;
@@ -107,7 +106,7 @@ int calx_guard_step(struct calx_sim *s, struct calx_error *e)
             return too_deep(s, &s->tallies[b], e);
     if (s->speed * s->plan->dt > DISPLACEMENT_BOUND * s->radius_min && s->features.contacts)
         return too_fast(s, e);
-    if (s->step % SELDOM)
+    if (s->step % CALX_SELDOM)
         return 0;
     CALX_TRY(outside(s, e));
     return energy_created(s, e);

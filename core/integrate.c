@@ -60,6 +60,20 @@ static double before(struct calx_sim *s, const struct calx_row_block *b, size_t 
     return speed2;
 }
 
+static void take_speed(struct calx_sim *s, double speed2)
+{
+    s->speed = sqrt(speed2);
+    s->drift += s->speed * s->plan->dt;
+}
+
+void calx_integrate_ahead(struct calx_sim *s)
+{
+    double largest = 0.0;
+    for (size_t b = 0; b < s->block_count; b++)
+        largest = fmax(largest, s->tallies[b].speed2);
+    take_speed(s, largest);
+}
+
 void calx_integrate_before(struct calx_sim *s, size_t stage)
 {
     double largest = 0.0;
@@ -73,8 +87,7 @@ void calx_integrate_before(struct calx_sim *s, size_t stage)
             largest = speed2 > largest ? speed2 : largest;
         }
     }
-    s->speed = sqrt(largest);
-    s->drift += s->speed * s->plan->dt;
+    take_speed(s, largest);
 }
 
 static void collect_ghosts(struct calx_sim *s, const struct calx_row_block *b)
@@ -119,7 +132,7 @@ static void after(struct calx_sim *s, const struct calx_row_block *b, size_t sta
     }
 }
 
-void calx_integrate_finish(struct calx_sim *s, size_t block, int stage)
+void calx_integrate_finish(struct calx_sim *s, size_t block, int stage, bool ahead)
 {
     struct calx_clock *clock = calx_timing_clock(s);
     calx_timing_restart(clock);
@@ -128,4 +141,6 @@ void calx_integrate_finish(struct calx_sim *s, size_t block, int stage)
     if (stage >= 0)
         after(s, &s->blocks[block], (size_t)stage);
     calx_timing_lap(clock, CALX_PHASE_INTEGRATE);
+    if (ahead)
+        s->tallies[block].speed2 = before(s, &s->blocks[block], 0);
 }

@@ -56,7 +56,7 @@ static int first_forces(struct calx_sim *s, struct calx_error *e)
 {
     CALX_TRY(calx_step_begin_stage(s, 0, e));
     s->stage_began = false;
-    CALX_TRY(calx_step_forces(s, 0.0, s->plan->conductance != NULL, -1, e));
+    CALX_TRY(calx_step_forces(s, 0.0, s->plan->conductance != NULL, -1, false, e));
     double power = 0.0;
     for (size_t b = 0; b < s->block_count; b++)
         power += s->tallies[b].wall_power;

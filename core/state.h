@@ -19,7 +19,8 @@ enum {
     CALX_LAWS_MAX = 8,       /* contact laws in one stack */
     CALX_HISTORY_MAX = 24,   /* history columns of one stack */
     CALX_STAGES_MAX = 8,     /* force evaluations per step */
-    CALX_EXTRA_MAX = 8
+    CALX_EXTRA_MAX = 8,
+    CALX_SELDOM = 256        /* steps between the dearer guards */
 };
 
 /* ---- plan --------------------------------------------------------------------------------------------- */
@@ -101,6 +102,7 @@ struct calx_tally {
     double overlap;                     /* largest overlap relative to the smaller radius */
     int32_t overlap_rows[2];            /* whose; -1 - wall for a wall */
     double finite;                      /* 0, or NaN if a state is not finite */
+    double speed2;                      /* m2/s2, largest, if the block went ahead */
     double temperature[2];              /* min, max, K */
     size_t edges, boundaries;
     double energy;            /* J, elastic; when asked for */
@@ -148,6 +150,7 @@ struct calx_sim {
     int64_t step, stage_step;
     int stage;
     bool done, stage_began;
+    bool ahead;                 /* the kernels before the next evaluation have run: only inside calx_sim_advance */
 
     /* particles */
     size_t n;
@@ -266,9 +269,10 @@ void calx_surface_nearest(const struct calx_primitive *, uint32_t dimension, con
 
 /* integrate.c */
 void calx_integrate_before(struct calx_sim *, size_t stage);
-/* Of one block, once every block that adds to it has its forces: ghosts' forces to their particles, forces to accelerations, and the stage's
- * kernel after the evaluation (stage < 0: none). */
-void calx_integrate_finish(struct calx_sim *, size_t block, int stage);
+/* Of one block, once every block that adds to it has its forces: ghosts' forces to their particles, forces to accelerations, the stage's
+ * kernel after the evaluation (stage < 0: none) and, if nobody looks at the state in between, the next step's kernel before. */
+void calx_integrate_finish(struct calx_sim *, size_t block, int stage, bool ahead);
+void calx_integrate_ahead(struct calx_sim *); /* takes the speeds that finish(ahead) left */
 
 /* heat.c */
 int calx_heat_step(struct calx_sim *, struct calx_error *); /* after the forces of step s->stage_step */
@@ -286,7 +290,7 @@ int calx_guard_left(const struct calx_sim *, int32_t row, int axis, struct calx_
 /* step.c */
 /* All forces at the present positions, then accelerations and the stage's kernel after (stage < 0: none). dt: of the step that ends
  * here, 0 if none does. */
-int calx_step_forces(struct calx_sim *, double dt, bool conduct, int stage, struct calx_error *);
+int calx_step_forces(struct calx_sim *, double dt, bool conduct, int stage, bool ahead, struct calx_error *);
 int calx_step_begin_stage(struct calx_sim *, int stage, struct calx_error *);
 
 /* rows.c: the id of the body of a row, own or ghost. */

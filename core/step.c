@@ -29,38 +29,40 @@ static void swap_wall_contacts(struct calx_sim *s)
 /* The blocks of one thread, in order. A block is finished while it is in cache, as soon as the blocks that add to it are done; those that
  * wait for another thread's blocks come after the barrier. Nobody reads a block's rows once the blocks that add to it are done:
  * they are the ones that keep copies of it. */
-static void sweep_part(struct calx_sim *s, double dt, bool conduct, int stage, size_t me, size_t team)
+static void sweep_part(struct calx_sim *s, double dt, bool conduct, int stage, bool ahead, size_t me,
+                       size_t team)
 {
     size_t first = s->block_count * me / team, last = s->block_count * (me + 1) / team;
     for (size_t b = first; b < last; b++) {
         s->engine->block_forces(s, b, dt, conduct);
         if (s->blocks[b].earliest >= first)
-            calx_integrate_finish(s, b, stage);
+            calx_integrate_finish(s, b, stage, ahead);
     }
     if (team == 1)
         return;
 #pragma omp barrier
     for (size_t b = first; b < last; b++)
         if (s->blocks[b].earliest < first)
-            calx_integrate_finish(s, b, stage);
+            calx_integrate_finish(s, b, stage, ahead);
 }
 
 /* A parallel region costs microseconds even for one thread: a scene of one block does without. */
-static void sweep(struct calx_sim *s, double dt, bool conduct, int stage)
+static void sweep(struct calx_sim *s, double dt, bool conduct, int stage, bool ahead)
 {
     if (s->team <= 1) {
-        sweep_part(s, dt, conduct, stage, 0, 1);
+        sweep_part(s, dt, conduct, stage, ahead, 0, 1);
         return;
     }
 #pragma omp parallel num_threads(s->team)
-    sweep_part(s, dt, conduct, stage, (size_t)omp_get_thread_num(), (size_t)omp_get_num_threads());
+    sweep_part(s, dt, conduct, stage, ahead, (size_t)omp_get_thread_num(), (size_t)omp_get_num_threads());
 }
 
-int calx_step_forces(struct calx_sim *s, double dt, bool conduct, int stage, struct calx_error *e)
+int calx_step_forces(struct calx_sim *s, double dt, bool conduct, int stage, bool ahead,
+                     struct calx_error *e)
 {
     if (calx_neighbours_stale(s))
         CALX_TRY(calx_neighbours_build(s, e));
-    sweep(s, dt, conduct, stage);
+    sweep(s, dt, conduct, stage, ahead);
     if (s->features.wall_contacts)
         swap_wall_contacts(s);
     return 0;
@@ -94,14 +96,18 @@ static bool heat_due(const struct calx_sim *s)
     return s->plan->conductance && (s->stage_step + 1) % s->plan->heat_every == 0;
 }
 
-static int advance_motion(struct calx_sim *s, double t, struct calx_error *e)
+static int advance_motion(struct calx_sim *s, double t, bool ahead, struct calx_error *e)
 {
     double dt = s->plan->dt;
     for (size_t stage = 0; stage < s->plan->motion_law->stages; stage++) {
-        calx_integrate_before(s, stage);
+        if (s->ahead)
+            calx_integrate_ahead(s);
+        else
+            calx_integrate_before(s, stage);
+        s->ahead = ahead;
         if (stage == 0)
             calx_walls_move(s, t, dt);
-        CALX_TRY(calx_step_forces(s, stage == 0 ? dt : 0.0, heat_due(s), (int)stage, e));
+        CALX_TRY(calx_step_forces(s, stage == 0 ? dt : 0.0, heat_due(s), (int)stage, ahead, e));
         if (stage == 0)
             calx_ledger_step(s, dt);
     }
@@ -112,7 +118,7 @@ static int advance_motion(struct calx_sim *s, double t, struct calx_error *e)
 static int advance_frozen(struct calx_sim *s, double t, struct calx_error *e)
 {
     calx_walls_move(s, t, s->plan->dt);
-    CALX_TRY(calx_step_forces(s, 0.0, heat_due(s), -1, e));
+    CALX_TRY(calx_step_forces(s, 0.0, heat_due(s), -1, false, e));
     return 0;
 }
 
@@ -157,7 +163,7 @@ static int change_models(struct calx_sim *s, const struct calx_plan *plan, struc
     s->built = false;
     if (!s->pairs.history)
         return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for contact history");
-    CALX_TRY(calx_step_forces(s, 0.0, false, -1, e));
+    CALX_TRY(calx_step_forces(s, 0.0, false, -1, false, e));
     s->outside_work += calx_ledger_mechanical(s) - before;
     return 0;
 }
@@ -179,14 +185,12 @@ int calx_step_begin_stage(struct calx_sim *s, int stage, struct calx_error *e)
     return 0;
 }
 
-int calx_sim_step(struct calx_sim *s, struct calx_error *e)
+static int step(struct calx_sim *s, bool ahead, struct calx_error *e)
 {
-    if (s->done)
-        return 0;
     double t = s->stage_start + (double)(s->stage_step + 1) * s->plan->dt;
     s->dt_now = s->plan->motion ? s->plan->dt : 0.0;
     set_gravity(s, t);
-    CALX_TRY(s->plan->motion ? advance_motion(s, t, e) : advance_frozen(s, t, e));
+    CALX_TRY(s->plan->motion ? advance_motion(s, t, ahead, e) : advance_frozen(s, t, e));
     s->step++;
     s->stage_step++;
     s->time = t;
@@ -197,4 +201,28 @@ int calx_sim_step(struct calx_sim *s, struct calx_error *e)
     CALX_TRY(calx_guard_step(s, e));
     calx_timing_lap(clock, CALX_PHASE_OTHER);
     return end_stage(s, e);
+}
+
+int calx_sim_step(struct calx_sim *s, struct calx_error *e)
+{
+    return s->done ? 0 : step(s, false, e);
+}
+
+/* Whether the step after the next `steps` may end the stage, or looks at the state by itself. */
+static bool looked_at(const struct calx_sim *s, int64_t steps)
+{
+    const struct calx_stage_spec *stage = &s->scene->stages[s->stage];
+    double end = (double)(s->stage_step + steps) * s->plan->dt;
+    return end >= stage->duration - 0.75 * s->plan->dt || (s->step + steps) % CALX_SELDOM == 0 ||
+           (stage->condition[0] && (s->stage_step + steps) % 64 == 0);
+}
+
+int calx_sim_advance(struct calx_sim *s, int64_t steps, int64_t *made, struct calx_error *e)
+{
+    bool one_stage = s->plan->motion_law && s->plan->motion_law->stages == 1;
+    for (*made = 0; *made < steps && !s->done && !looked_at(s, 1); ++*made) {
+        bool last = *made + 1 == steps || looked_at(s, 2);
+        CALX_TRY(step(s, one_stage && !last, e));
+    }
+    return 0;
 }
