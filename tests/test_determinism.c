@@ -246,6 +246,60 @@ START_TEST(looking_changes_nothing)
 }
 END_TEST
 
+/* ---- many steps at once --------------------------------------------------------------------------------- */
+
+/* The crowd in two stages, the second with another gravity. */
+static struct calx_scene *staged(const char *heat)
+{
+    struct calx_scene *s = crowd(heat);
+    s->stages[0].duration = 77.0 * s->models[0].dt;
+    size_t second = scene_stage(s);
+    s->stages[second].duration = INFINITY;
+    s->stages[second].gravity[2].value = 3.0;
+    return s;
+}
+
+/* Advances STEPS steps in bites of changing size, looking in between; single steps where the engine asks for them. */
+static struct said advanced(const char *heat, int threads, size_t *alone)
+{
+    static const int64_t bites[] = {1, 2, 64, 5, 3, 40, 17};
+    struct calx_error e = {0};
+    struct run r = run_start(staged(heat), threads);
+    for (size_t k = 0; calx_sim_step_count(r.sim) < STEPS; k++) {
+        int64_t left = STEPS - calx_sim_step_count(r.sim), made = 0, bite = bites[k % 7] < left ? bites[k % 7] : left;
+        ck_assert_msg(calx_sim_advance(r.sim, bite, &made, &e) == 0, "%s", e.text);
+        ck_assert(made >= 0 && made <= bite);
+        if (made == 0)
+            run_steps(&r, 1);
+        *alone += made == 0;
+        calx_frame_free(calx_frame_create(r.sim, true));
+    }
+    struct said out = say(&r);
+    run_free(&r);
+    return out;
+}
+
+START_TEST(many_steps_at_once_change_nothing)
+{
+    static const char *const heat[] = {"heat-euler", "heat-theta"};
+    for (size_t k = 0; k < 2; k++) {
+        struct run r = run_start(staged(heat[k]), 1);
+        run_steps(&r, STEPS);
+        ck_assert_int_eq(calx_sim_stage(r.sim), 1);
+        struct said single = say(&r);
+        run_free(&r);
+        for (int threads = 1; threads <= 3; threads += 2) {
+            char what[64];
+            size_t alone = 0;
+            struct said many = advanced(heat[k], threads, &alone);
+            snprintf(what, sizeof what, "%s, many steps at once, %d threads", heat[k], threads);
+            same(&single, &many, what);
+            ck_assert_uint_lt(alone, STEPS / 10);
+        }
+    }
+}
+END_TEST
+
 /* ---- instruction sets ---------------------------------------------------------------------------------- */
 
 START_TEST(instruction_sets_agree)
@@ -280,6 +334,7 @@ int main(void)
 {
     const TTest *tests[] = {a_restart_that_does_not_fit_is_refused, threads_change_nothing,
                             threads_change_nothing_in_the_heat_network, a_restart_changes_nothing,
-                            looking_changes_nothing, instruction_sets_agree};
+                            looking_changes_nothing, many_steps_at_once_change_nothing,
+                            instruction_sets_agree};
     return run_tests("determinism", sizeof tests / sizeof *tests, tests);
 }
