@@ -72,7 +72,8 @@ void scene_material_value(struct calx_scene *s, int m, const char *name, double 
     to->values[to->value_count++] = value_of(name, value);
 }
 
-void scene_model(struct calx_scene *s, enum calx_kind kind, const char *plugin, const struct given *given)
+void scene_model(struct calx_scene *s, enum calx_kind kind, const char *plugin,
+                 const struct given *given)
 {
     struct calx_models *to = &s->models[0];
     to->list = grow(to->list, to->count, sizeof *to->list);
@@ -85,19 +86,24 @@ void scene_model(struct calx_scene *s, enum calx_kind kind, const char *plugin, 
     }
 }
 
-void scene_model1(struct calx_scene *s, enum calx_kind kind, const char *plugin, const char *name, double value)
+void scene_model1(struct calx_scene *s, enum calx_kind kind, const char *plugin, const char *name,
+                  double value)
 {
     scene_model(s, kind, plugin, (struct given[]){{name, value}, {NULL, 0.0}});
 }
 
-void scene_linear(struct calx_scene *s, double stiffness, double restitution, double friction, double dt)
+void scene_linear(struct calx_scene *s, double stiffness, double restitution, double friction,
+                  double dt)
 {
     bool damped = !isnan(restitution);
     scene_model(s, CALX_CONTACT, "linear",
-                (struct given[]){{"stiffness", stiffness}, {damped ? "restitution" : NULL, restitution}, {NULL, 0.0}});
+                (struct given[]){{"stiffness", stiffness},
+                                 {damped ? "restitution" : NULL, restitution},
+                                 {NULL, 0.0}});
     if (friction >= 0.0)
         scene_model(s, CALX_CONTACT, "coulomb",
-                    (struct given[]){{"stiffness", 2.0 / 7.0 * stiffness}, {"friction", friction}, {NULL, 0.0}});
+                    (struct given[]){
+                        {"stiffness", 2.0 / 7.0 * stiffness}, {"friction", friction}, {NULL, 0.0}});
     scene_model(s, CALX_MOTION, "velocity-verlet", NULL);
     s->models[0].dt = dt;
 }
@@ -163,8 +169,8 @@ int scene_wall(struct calx_scene *s, const char *name, int material)
     w->material = material;
     for (size_t k = 0; k < s->stage_count; k++) {
         s->stages[k].motion = grow(s->stages[k].motion, s->wall_count, sizeof *s->stages[k].motion);
-        s->stages[k].wall_temperature =
-            grow(s->stages[k].wall_temperature, s->wall_count, sizeof *s->stages[k].wall_temperature);
+        s->stages[k].wall_temperature = grow(s->stages[k].wall_temperature, s->wall_count,
+                                             sizeof *s->stages[k].wall_temperature);
     }
     return (int)s->wall_count++;
 }
@@ -177,16 +183,20 @@ struct calx_primitive *scene_primitive(struct calx_scene *s, int wall, struct ca
     return &w->primitives[w->primitive_count++];
 }
 
-void scene_segment(struct calx_scene *s, int wall, double ax, double ay, double bx, double by, int32_t surface)
+void scene_segment(struct calx_scene *s, int wall, double ax, double ay, double bx, double by,
+                   int32_t surface)
 {
-    scene_primitive(s, wall, (struct calx_primitive){.shape = CALX_SEGMENT, .a = {ax, ay, 0.0}, .b = {bx, by, 0.0},
-                                                     .surface = surface});
+    scene_primitive(
+        s, wall,
+        (struct calx_primitive){
+            .shape = CALX_SEGMENT, .a = {ax, ay, 0.0}, .b = {bx, by, 0.0}, .surface = surface});
 }
 
 void scene_plane(struct calx_scene *s, int wall, const double a[3], const double n[3])
 {
-    scene_primitive(s, wall, (struct calx_primitive){.shape = CALX_PLANE, .a = {a[0], a[1], a[2]},
-                                                     .n = {n[0], n[1], n[2]}});
+    scene_primitive(s, wall,
+                    (struct calx_primitive){
+                        .shape = CALX_PLANE, .a = {a[0], a[1], a[2]}, .n = {n[0], n[1], n[2]}});
 }
 
 void scene_wall_temperature(struct calx_scene *s, int wall, double temperature)
@@ -249,7 +259,8 @@ void run_steps(const struct run *r, size_t steps)
 {
     struct calx_error e = {0};
     for (size_t k = 0; k < steps; k++)
-        if (calx_sim_step(r->sim, &e)) /* an assertion that holds writes to a file: not in each step */
+        if (calx_sim_step(r->sim,
+                          &e)) /* an assertion that holds writes to a file: not in each step */
             ck_abort_msg("%s", e.text);
 }
 
@@ -284,7 +295,8 @@ const double *run_v(const struct run *r, int64_t id)
 double run_mass(const struct run *r, int64_t id)
 {
     const struct calx_scene *s = calx_sim_scene(r->sim);
-    return calx_particle_mass(s, s->particles.radius[id], s->materials[s->particles.material[id]].density);
+    return calx_particle_mass(s, s->particles.radius[id],
+                              s->materials[s->particles.material[id]].density);
 }
 
 double slope(size_t n, const double *x, const double *y)

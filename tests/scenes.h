@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Scenes built in code, for the tests of the engine: the calls below stand for the elements of a case file. A failed call fails the
- * test that makes it.
+ * Scenes built in code, for the tests of the engine: the calls below stand for the elements of a
+ * case file. A failed call fails the test that makes it.
  */
 #ifndef CALX_TESTS_SCENES_H
 #define CALX_TESTS_SCENES_H
@@ -24,8 +24,9 @@ struct given {
     double value;
 };
 
-/* A scene of one endless stage with `particles` grains at rest (their rows zero, their radius 1) of one material "grain" of density 1000 kg/m3
- * and specific heat 1000 J/(kg K), and one set of models without any. Discs have a thickness of 1 m. */
+/* A scene of one endless stage with `particles` grains at rest (their rows zero, their radius 1) of
+ * one material "grain" of density 1000 kg/m3 and specific heat 1000 J/(kg K), and one set of models
+ * without any. Discs have a thickness of 1 m. */
 struct calx_scene *scene_create(uint32_t dimension, uint32_t bodies, size_t particles);
 
 /* Adds a material; returns its index. */
@@ -35,10 +36,13 @@ void scene_material_value(struct calx_scene *, int m, const char *name, double v
 /* Adds a plugin with these numbers to the first set of models. */
 void scene_model(struct calx_scene *, enum calx_kind, const char *plugin, const struct given *);
 /* Like scene_model() with one number, or none if name is NULL. */
-void scene_model1(struct calx_scene *, enum calx_kind, const char *plugin, const char *name, double value);
+void scene_model1(struct calx_scene *, enum calx_kind, const char *plugin, const char *name,
+                  double value);
 
-/* Linear spring (restitution NaN: undamped) and, if friction >= 0, coulomb of stiffness 2/7 of it; velocity Verlet with dt. */
-void scene_linear(struct calx_scene *, double stiffness, double restitution, double friction, double dt);
+/* Linear spring (restitution NaN: undamped) and, if friction >= 0, coulomb of stiffness 2/7 of it;
+ * velocity Verlet with dt. */
+void scene_linear(struct calx_scene *, double stiffness, double restitution, double friction,
+                  double dt);
 
 void scene_put(struct calx_scene *, size_t i, double x, double y, double z, double radius);
 void scene_move(struct calx_scene *, size_t i, double vx, double vy, double vz);
@@ -52,7 +56,8 @@ void scene_extent(struct calx_scene *, int k, double low, double high, char kind
 /* Adds an insulated wall without primitives, at rest; returns its index. */
 int scene_wall(struct calx_scene *, const char *name, int material);
 /* Adds primitives to a wall. */
-void scene_segment(struct calx_scene *, int wall, double ax, double ay, double bx, double by, int32_t surface);
+void scene_segment(struct calx_scene *, int wall, double ax, double ay, double bx, double by,
+                   int32_t surface);
 void scene_plane(struct calx_scene *, int wall, const double a[3], const double n[3]);
 struct calx_primitive *scene_primitive(struct calx_scene *, int wall, struct calx_primitive);
 /* Gives a wall a temperature. */

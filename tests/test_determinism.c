@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Equal bits: with 1, 2, 3 and 4 threads; for a straight run and one that is saved, freed and restored at random steps; with and
- * without looking at each step; from the copies of the kernels for each instruction set. The scene has what can break it: several
- * blocks, two materials, friction, heat, a moving and a hot wall, a periodic axis, rebuilds.
+ * Equal bits: with 1, 2, 3 and 4 threads; for a straight run and one that is saved, freed and
+ * restored at random steps; with and without looking at each step; from the copies of the kernels
+ * for each instruction set. The scene has what can break it: several blocks, two materials,
+ * friction, heat, a moving and a hot wall, a periodic axis, rebuilds.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -92,9 +93,10 @@ static struct said say(const struct run *r)
 
 static void same(const struct said *a, const struct said *b, const char *what)
 {
-    ck_assert_msg(a->hash == b->hash, "%s: hash %llx instead of %llx", what, (unsigned long long)b->hash,
-                  (unsigned long long)a->hash);
-    ck_assert_msg(!memcmp(&a->ledger, &b->ledger, sizeof a->ledger), "%s: the ledgers differ", what);
+    ck_assert_msg(a->hash == b->hash, "%s: hash %llx instead of %llx", what,
+                  (unsigned long long)b->hash, (unsigned long long)a->hash);
+    ck_assert_msg(!memcmp(&a->ledger, &b->ledger, sizeof a->ledger), "%s: the ledgers differ",
+                  what);
 }
 
 /* The scene is what it should be: blocks, rebuilds, contacts with history, warmth. */
@@ -141,7 +143,7 @@ START_TEST(threads_change_nothing_in_the_heat_network)
 }
 END_TEST
 
-/* ---- saving and restoring ------------------------------------------------------------------------------ */
+/* ---- saving and restoring ---- */
 
 static struct calx_block *copy_blocks(struct calx_sim *s, size_t *count)
 {
@@ -217,12 +219,13 @@ START_TEST(a_restart_that_does_not_fit_is_refused)
 }
 END_TEST
 
-/* ---- looking ------------------------------------------------------------------------------------------- */
+/* ---- looking ---- */
 
 START_TEST(looking_changes_nothing)
 {
     enum { LOOKS = 60 };
-    struct calx_probe probe = {.quantity = "kinetic-energy", .particle = -1, .material = -1, .wall = -1};
+    struct calx_probe probe = {
+        .quantity = "kinetic-energy", .particle = -1, .material = -1, .wall = -1};
     ck_assert_ptr_nonnull(calx_measure_find(probe.quantity));
     FILE *nowhere = fopen("/dev/null", "w");
     struct run blind = run_start(crowd("heat-euler"), 1), watched = run_again(&blind, 1);
@@ -246,7 +249,7 @@ START_TEST(looking_changes_nothing)
 }
 END_TEST
 
-/* ---- many steps at once --------------------------------------------------------------------------------- */
+/* ---- many steps at once ---- */
 
 /* The crowd in two stages, the second with another gravity. */
 static struct calx_scene *staged(const char *heat)
@@ -259,14 +262,16 @@ static struct calx_scene *staged(const char *heat)
     return s;
 }
 
-/* Advances STEPS steps in bites of changing size, looking in between; single steps where the engine asks for them. */
+/* Advances STEPS steps in bites of changing size, looking in between; single steps where the engine
+ * asks for them. */
 static struct said advanced(const char *heat, int threads, size_t *alone)
 {
     static const int64_t bites[] = {1, 2, 64, 5, 3, 40, 17};
     struct calx_error e = {0};
     struct run r = run_start(staged(heat), threads);
     for (size_t k = 0; calx_sim_step_count(r.sim) < STEPS; k++) {
-        int64_t left = STEPS - calx_sim_step_count(r.sim), made = 0, bite = bites[k % 7] < left ? bites[k % 7] : left;
+        int64_t left = STEPS - calx_sim_step_count(r.sim), made = 0,
+                bite = bites[k % 7] < left ? bites[k % 7] : left;
         ck_assert_msg(calx_sim_advance(r.sim, bite, &made, &e) == 0, "%s", e.text);
         ck_assert(made >= 0 && made <= bite);
         if (made == 0)
@@ -300,7 +305,7 @@ START_TEST(many_steps_at_once_change_nothing)
 }
 END_TEST
 
-/* ---- instruction sets ---------------------------------------------------------------------------------- */
+/* ---- instruction sets ---- */
 
 START_TEST(instruction_sets_agree)
 {
@@ -332,9 +337,12 @@ END_TEST
 
 int main(void)
 {
-    const TTest *tests[] = {a_restart_that_does_not_fit_is_refused, threads_change_nothing,
-                            threads_change_nothing_in_the_heat_network, a_restart_changes_nothing,
-                            looking_changes_nothing, many_steps_at_once_change_nothing,
+    const TTest *tests[] = {a_restart_that_does_not_fit_is_refused,
+                            threads_change_nothing,
+                            threads_change_nothing_in_the_heat_network,
+                            a_restart_changes_nothing,
+                            looking_changes_nothing,
+                            many_steps_at_once_change_nothing,
                             instruction_sets_agree};
     return run_tests("determinism", sizeof tests / sizeof *tests, tests);
 }

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * The pair search against brute force: directly, on random scenes of size ratio 1 to 100 in two and three dimensions, periodic or
- * not; and through the simulation, where every touching pair must be in the contact network at every step, through rebuilds and
- * periodic crossings. A grain that leaves a bounded domain is reported.
+ * The pair search against brute force: directly, on random scenes of size ratio 1 to 100 in two and
+ * three dimensions, periodic or not; and through the simulation, where every touching pair must be
+ * in the contact network at every step, through rebuilds and periodic crossings. A grain that
+ * leaves a bounded domain is reported.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -11,7 +12,7 @@
 #include "core/pairs.h"
 #include "tests/scenes.h"
 
-/* ---- the search itself -------------------------------------------------------------------------------- */
+/* ---- the search itself ---- */
 
 struct random_scene {
     uint32_t dimension;
@@ -20,19 +21,22 @@ struct random_scene {
 };
 
 static const struct random_scene scenes[] = {
-    {2, 1, {0}},      {2, 10, {0}},    {2, 100, {0}},      {2, 1, {1, 1, 0}},  {2, 10, {1, 0, 0}},
-    {2, 100, {1, 1}}, {3, 1, {0}},     {3, 10, {0}},       {3, 100, {0}},      {3, 1, {1, 1, 1}},
-    {3, 3, {0, 1, 0}}, {3, 10, {1, 1, 1}}, {3, 100, {1, 1, 1}}, {3, 30, {1, 0, 1}},
+    {2, 1, {0}},         {2, 10, {0}},       {2, 100, {0}},     {2, 1, {1, 1, 0}},
+    {2, 10, {1, 0, 0}},  {2, 100, {1, 1}},   {3, 1, {0}},       {3, 10, {0}},
+    {3, 100, {0}},       {3, 1, {1, 1, 1}},  {3, 3, {0, 1, 0}}, {3, 10, {1, 1, 1}},
+    {3, 100, {1, 1, 1}}, {3, 30, {1, 0, 1}},
 };
 
 enum { N = 1500, BLOCK = 128, SEEDS = 3 };
-static const double LARGEST = 0.11; /* of a unit box: with the skin below, half the box holds no second image */
+static const double LARGEST =
+    0.11; /* of a unit box: with the skin below, half the box holds no second image */
 static const double SKIN = 0.01;
 static const double CORNER = -0.4; /* of the box, so that positions have both signs */
 
 static double rows[4 * N];
 
-/* Sizes uniform in log R; a few centres on the border of the box, on one another and in one line. */
+/* Sizes uniform in log R; a few centres on the border of the box, on one another and in one line.
+ */
 static void fill_rows(const struct random_scene *s, uint64_t seed)
 {
     struct calx_random random;
@@ -78,8 +82,14 @@ static size_t search(const struct random_scene *s, int threads, struct calx_foun
 {
     size_t blocks = (N + BLOCK - 1) / BLOCK, count = 0;
     struct calx_found_list *lists = calloc(blocks, sizeof *lists);
-    struct calx_pairs_input in = {.x = rows, .n = N, .block = BLOCK, .skin = SKIN, .dimension = s->dimension,
-                                  .low = {CORNER, CORNER, CORNER}, .length = {1, 1, 1}, .threads = threads};
+    struct calx_pairs_input in = {.x = rows,
+                                  .n = N,
+                                  .block = BLOCK,
+                                  .skin = SKIN,
+                                  .dimension = s->dimension,
+                                  .low = {CORNER, CORNER, CORNER},
+                                  .length = {1, 1, 1},
+                                  .threads = threads};
     memcpy(in.periodic, s->periodic, sizeof in.periodic);
     ck_assert_int_eq(calx_pairs_find(&in, lists), 0);
     for (size_t b = 0; b < blocks; b++) {
@@ -96,7 +106,8 @@ static size_t search(const struct random_scene *s, int threads, struct calx_foun
 
 START_TEST(search_equals_brute_force)
 {
-    struct calx_found *found = malloc(N * N * sizeof *found), *expected = malloc(N * N * sizeof *expected);
+    struct calx_found *found = malloc(N * N * sizeof *found),
+                      *expected = malloc(N * N * sizeof *expected);
     for (size_t c = 0; c < sizeof scenes / sizeof *scenes; c++)
         for (uint64_t seed = 0; seed < SEEDS; seed++) {
             fill_rows(&scenes[c], seed);
@@ -107,8 +118,9 @@ START_TEST(search_equals_brute_force)
                           (unsigned long long)seed, n, all);
             for (size_t k = 0; k < n; k++)
                 if (by_pair(&found[k], &expected[k]) || found[k].shift != expected[k].shift)
-                    ck_abort_msg("scene %zu: pair %zu is (%d, %d, %d), not (%d, %d, %d)", c, k, found[k].i,
-                                 found[k].j, found[k].shift, expected[k].i, expected[k].j, expected[k].shift);
+                    ck_abort_msg("scene %zu: pair %zu is (%d, %d, %d), not (%d, %d, %d)", c, k,
+                                 found[k].i, found[k].j, found[k].shift, expected[k].i,
+                                 expected[k].j, expected[k].shift);
         }
     free(found);
     free(expected);
@@ -125,7 +137,8 @@ START_TEST(order_does_not_depend_on_threads)
             ck_assert_uint_eq(search(&scenes[c], threads, other), n);
             for (size_t k = 0; k < n; k++)
                 if (by_pair(&one[k], &other[k]) || one[k].shift != other[k].shift)
-                    ck_abort_msg("scene %zu, %d threads: place %zu of the list differs", c, threads, k);
+                    ck_abort_msg("scene %zu, %d threads: place %zu of the list differs", c, threads,
+                                 k);
         }
     }
     free(one);
@@ -133,7 +146,7 @@ START_TEST(order_does_not_depend_on_threads)
 }
 END_TEST
 
-/* ---- through the simulation --------------------------------------------------------------------------- */
+/* ---- through the simulation ---- */
 
 struct gas {
     uint32_t dimension;
@@ -143,13 +156,14 @@ struct gas {
 };
 
 static const struct gas gases[] = {
-    {2, 1, "wwp", 1}, {2, 8, "ppp", 2}, {2, 4, "pwp", 1}, {3, 1, "ppp", 2}, {3, 20, "ppp", 1}, {3, 5, "pwp", 3},
-    {3, 100, "pww", 2},
+    {2, 1, "wwp", 1},  {2, 8, "ppp", 2}, {2, 4, "pwp", 1},   {3, 1, "ppp", 2},
+    {3, 20, "ppp", 1}, {3, 5, "pwp", 3}, {3, 100, "pww", 2},
 };
 
 enum { GRAINS = CALX_BLOCK + 200, STEPS = 400, REBUILDS = 20, BORDER = 10 };
-static const double GRAIN[] = {0.010, 0.034}; /* of a unit box, in 2D and 3D: a fifth to two fifths of it are full */
-static const double FASTEST = 3.5;           /* m/s, 2 along each of three axes */
+static const double GRAIN[] = {
+    0.010, 0.034}; /* of a unit box, in 2D and 3D: a fifth to two fifths of it are full */
+static const double FASTEST = 3.5; /* m/s, 2 along each of three axes */
 
 static bool overlaps(const struct calx_scene *s, size_t count, const double *x, double radius)
 {
@@ -172,7 +186,8 @@ static void insert(struct calx_scene *s, size_t i, double radius, struct calx_ra
     double x[3] = {0}, v[3] = {0};
     do {
         for (uint32_t k = 0; k < s->dimension; k++) {
-            double room = s->periodic[k] ? 1.0 : 1.0 - 2.0 * radius, u = calx_random_uniform(random);
+            double room = s->periodic[k] ? 1.0 : 1.0 - 2.0 * radius,
+                   u = calx_random_uniform(random);
             bool leaves = i < BORDER && i % s->dimension == k && s->periodic[k];
             x[k] = leaves ? 1e-3 * u * radius : 0.5 + room * (u - 0.5);
             v[k] = 4.0 * calx_random_uniform(random) - 2.0;
@@ -199,29 +214,36 @@ static void add_walls(struct calx_scene *s, const struct gas *g)
     }
 }
 
-/* A gas that collides gently: the largest grains overlap by a fifth of their radius, and the skin lasts ten steps. */
+/* A gas that collides gently: the largest grains overlap by a fifth of their radius, and the skin
+ * lasts ten steps. */
 static struct calx_scene *gas_scene(const struct gas *g, uint64_t seed)
 {
     struct calx_scene *s = scene_create(g->dimension, CALX_SPHERES, GRAINS);
     struct calx_random random;
     calx_random_seed(&random, seed);
-    double largest = GRAIN[g->dimension - 2], smallest = largest / g->ratio, volume = 4.0 / 3.0 * M_PI * 1000.0;
+    double largest = GRAIN[g->dimension - 2], smallest = largest / g->ratio,
+           volume = 4.0 / 3.0 * M_PI * 1000.0;
     double k = 0.5 * volume * pow(largest, 3.0) * pow(2.0 * FASTEST / (0.2 * largest), 2.0);
     double dt = 0.2 * sqrt(0.5 * volume * pow(smallest, 3.0) / k);
     scene_linear(s, k, NAN, -1.0, dt);
     s->skin = 20.0 * FASTEST * dt;
     add_walls(s, g);
     for (size_t i = 0; i < GRAINS; i++) /* large ones first: they find room */
-        insert(s, i, i < 40 ? largest : i % 2 ? smallest : largest * pow(g->ratio, -calx_random_uniform(&random)),
+        insert(s, i,
+               i < 40  ? largest
+               : i % 2 ? smallest
+                       : largest * pow(g->ratio, -calx_random_uniform(&random)),
                &random);
     return s;
 }
 
-/* Marks, per pair, what is in the network; then every pair that overlaps by brute force must be marked. */
+/* Marks, per pair, what is in the network; then every pair that overlaps by brute force must be
+ * marked. */
 static void compare(const struct calx_scene *scene, struct calx_sim *sim, const char *what)
 {
     static uint8_t seen[GRAINS][GRAINS];
-    const double rounding = 1e-12; /* of a unit box: positions of either image differ by the last bits */
+    const double rounding =
+        1e-12; /* of a unit box: positions of either image differ by the last bits */
     struct calx_frame *f = calx_frame_create(sim, true);
     size_t touching = 0;
     memset(seen, 0, sizeof seen);
@@ -232,7 +254,8 @@ static void compare(const struct calx_scene *scene, struct calx_sim *sim, const 
         const double *a = f->pair_position[k][0], *b = f->pair_position[k][1];
         double apart = sqrt(pow(a[0] - b[0], 2) + pow(a[1] - b[1], 2) + pow(a[2] - b[2], 2));
         if (fabs(f->radius[i] + f->radius[j] - apart - f->overlap[k]) > rounding || seen[i][j])
-            ck_abort_msg("%s: pair %lld, %lld twice, or of another image", what, (long long)i, (long long)j);
+            ck_abort_msg("%s: pair %lld, %lld twice, or of another image", what, (long long)i,
+                         (long long)j);
         seen[i][j] = seen[j][i] = 1;
         touching++;
     }
@@ -267,17 +290,19 @@ START_TEST(every_touching_pair_is_in_the_network)
             run_steps(&r, 1);
         }
         for (size_t b = 0; b < r.sim->block_count && r.sim->r.image; b++)
-            for (int32_t row = r.sim->blocks[b].first; row < r.sim->blocks[b].first + r.sim->blocks[b].own; row++)
+            for (int32_t row = r.sim->blocks[b].first;
+                 row < r.sim->blocks[b].first + r.sim->blocks[b].own; row++)
                 for (int k = 0; k < 3; k++)
                     turns += abs(r.sim->r.image[row][k]);
-        ck_assert_msg(r.sim->rebuilds >= REBUILDS, "%s: %lld rebuilds", what, (long long)r.sim->rebuilds);
+        ck_assert_msg(r.sim->rebuilds >= REBUILDS, "%s: %lld rebuilds", what,
+                      (long long)r.sim->rebuilds);
         ck_assert_msg(!r.sim->r.image || turns > 0, "%s: nobody crossed the border", what);
         run_free(&r);
     }
 }
 END_TEST
 
-/* ---- leaving ------------------------------------------------------------------------------------------ */
+/* ---- leaving ---- */
 
 static const double LEAVING_SPEED = 3.0, LEAVING_STEP = 1e-3;
 enum { GUARD_STEPS = 256 }; /* steps between checks of the domain */
@@ -301,7 +326,8 @@ static void leave(size_t grains, int axis)
     for (int k = 0; k < 2 * GUARD_STEPS && !code; k++)
         code = calx_sim_step(r.sim, &e);
     ck_assert_int_eq(code, CALX_ERROR_PHYSICS);
-    ck_assert_msg(sscanf(e.text, "at t = %lg s particle %lld left the domain", &reported, &id) == 2, "%s", e.text);
+    ck_assert_msg(sscanf(e.text, "at t = %lg s particle %lld left the domain", &reported, &id) == 2,
+                  "%s", e.text);
     ck_assert_int_eq(id, (long long)leaver);
     ck_assert_double_ge(reported, 0.5 / LEAVING_SPEED - LEAVING_STEP);
     ck_assert_double_le(reported, 0.5 / LEAVING_SPEED + (GUARD_STEPS + 1) * LEAVING_STEP);
@@ -332,7 +358,8 @@ END_TEST
 
 int main(void)
 {
-    const TTest *tests[] = {short_periodic_box_is_refused, leaving_the_domain_is_reported, search_equals_brute_force,
-                            order_does_not_depend_on_threads, every_touching_pair_is_in_the_network};
+    const TTest *tests[] = {short_periodic_box_is_refused, leaving_the_domain_is_reported,
+                            search_equals_brute_force, order_does_not_depend_on_threads,
+                            every_touching_pair_is_in_the_network};
     return run_tests("neighbours", sizeof tests / sizeof *tests, tests);
 }
