@@ -58,6 +58,14 @@ static int too_fast(const struct calx_sim *s, struct calx_error *e)
         s->speed * s->plan->dt, s->radius_min, 0.1 * s->radius_min / s->speed);
 }
 
+static int wall_too_fast(const struct calx_sim *s, struct calx_error *e)
+{
+    return calx_error_set(e, CALX_ERROR_PHYSICS,
+        "at t = %g s wall '%s' moves %g m in one step, more than half the smallest radius (%g m): it could pass grains "
+        "unseen. Reduce dt below %.2g s, or its speed", s->time, s->scene->walls[s->wall_fastest].name, s->wall_step,
+        s->radius_min, 0.1 * s->radius_min / s->wall_step * s->plan->dt);
+}
+
 static int energy_created(struct calx_sim *s, struct calx_error *e)
 {
     struct calx_ledger l = calx_sim_ledger(s);
@@ -106,6 +114,8 @@ int calx_guard_step(struct calx_sim *s, struct calx_error *e)
             return too_deep(s, &s->tallies[b], e);
     if (s->speed * s->plan->dt > DISPLACEMENT_BOUND * s->radius_min && s->features.contacts)
         return too_fast(s, e);
+    if (s->wall_step > DISPLACEMENT_BOUND * s->radius_min && s->features.wall_contacts)
+        return wall_too_fast(s, e);
     if (s->step % CALX_SELDOM)
         return 0;
     CALX_TRY(outside(s, e));

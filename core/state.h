@@ -15,7 +15,7 @@
 #include "core/measure.h"
 
 enum {
-    CALX_BLOCK = 1024,        /* own rows per block */
+    CALX_BLOCK = 128,        /* own rows per block */
     CALX_LAWS_MAX = 8,       /* contact laws in one stack */
     CALX_HISTORY_MAX = 24,   /* history columns of one stack */
     CALX_STAGES_MAX = 8,     /* force evaluations per step */
@@ -163,7 +163,8 @@ struct calx_sim {
     struct calx_tally *tallies;
     double speed;              /* m/s, the largest of the last step */
     double skin, drift;        /* m: skin, displacement since the list was built (upper bound) */
-    double wall_drift;
+    double wall_drift, wall_step; /* m: wall_step: the farthest that a wall came in the last step, */
+    int wall_fastest;             /* and which */
     double radius_min, radius_max;
     int64_t rebuilds;
     bool built;

@@ -208,11 +208,14 @@ void calx_walls_move(struct calx_sim *s, double t, double dt)
         for (size_t p = 0; p < s->scene->walls[w].primitive_count; p++) {
             struct calx_primitive before = s->posed[at + p].p;
             place_primitive(s, w, p, at + p);
-            drift = fmax(drift, displacement(&before, &s->posed[at + p].p, s->wall_reach));
+            double came = displacement(&before, &s->posed[at + p].p, s->wall_reach);
+            s->wall_fastest = came > drift ? (int)w : s->wall_fastest;
+            drift = fmax(drift, came);
         }
         s->walls_changed = true;
     }
     s->wall_drift += drift;
+    s->wall_step = drift;
 }
 
 void calx_walls_velocity(const struct calx_sim *s, int wall, const double at[3], double out[3])

@@ -116,6 +116,8 @@ static struct said run_with_threads(const char *heat, int threads)
     run_steps(&r, STEPS);
     has_everything(&r);
     struct said out = say(&r);
+    ck_assert_double_lt(fabs(out.ledger.heat_residual),
+                        1e-12 * out.ledger.heat); /* through ghosts too */
     run_free(&r);
     return out;
 }

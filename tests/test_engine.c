@@ -76,6 +76,27 @@ START_TEST(overlaps_at_the_start)
 }
 END_TEST
 
+/* Walls that move about an empty scene: nothing to compute, and nothing fails. */
+START_TEST(no_grains_at_all)
+{
+    struct calx_scene *s = scene_create(3, CALX_SPHERES, 0);
+    scene_linear(s, STIFFNESS, NAN, 0.5, 1e-4);
+    int w = scene_wall(s, "drum", 0);
+    scene_primitive(s, w,
+                    (struct calx_primitive){
+                        .shape = CALX_CYLINDER, .inside = true, .n = {0, 0, 1}, .radius = 0.5});
+    scene_motion(s, 0, w)->rate.value = 2.0;
+    struct run r = run_start(s, 2);
+    run_steps(&r, 600);
+    struct calx_frame *f = calx_frame_create(r.sim, true);
+    ck_assert_ptr_nonnull(f);
+    ck_assert_uint_eq(f->n + f->contact_count, 0);
+    ck_assert_double_eq(calx_sim_ledger(r.sim).residual, 0.0);
+    calx_frame_free(f);
+    run_free(&r);
+}
+END_TEST
+
 /* The limit is 2/omega with omega = sqrt(k/m*): pi/2 steps per contact. */
 START_TEST(unstable_steps)
 {
@@ -367,6 +388,7 @@ END_TEST
 int main(void)
 {
     const TTest *tests[] = {overlaps_at_the_start,
+                            no_grains_at_all,
                             unstable_steps,
                             wild_speeds,
                             borders_do_not_matter,

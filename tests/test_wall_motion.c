@@ -24,7 +24,7 @@ static struct calx_scene *moving_scene(double dt)
 {
     struct calx_scene *s = scene_create(3, CALX_SPHERES, 1);
     scene_linear(s, STIFFNESS, NAN, -1.0, dt);
-    scene_put(s, 0, 0.0, 0.0, 50.0, RADIUS);
+    scene_put(s, 0, 0.0, 0.0, 6.0, RADIUS);
     int w = scene_wall(s, "mover", 0);
     scene_primitive(s, w,
                     (struct calx_primitive){
@@ -179,6 +179,42 @@ START_TEST(a_wall_that_comes_is_met)
 }
 END_TEST
 
+/* A thin wall and a grain that meet at any speed: the grain stays on its side, or the run stops and
+ * says why. Never does one pass the other unseen. */
+START_TEST(nothing_passes_a_thin_wall)
+{
+    static const double radii[] = {0.05, 0.3, 0.49, 0.6, 0.9, 2.1, 3.7, 10.0, 1000.0};
+    for (size_t k = 0; k < sizeof radii / sizeof *radii; k++)
+        for (int wall_moves = 0; wall_moves < 2; wall_moves++)
+            for (int phase = 0; phase < 8; phase++) {
+                const double dt = 1e-4, speed = radii[k] * RADIUS / dt;
+                struct calx_error e = {0};
+                struct calx_scene *s = scene_create(2, CALX_SPHERES, 1);
+                double mass = calx_particle_mass(s, RADIUS, 1000.0);
+                scene_linear(s, mass * pow(0.5 / dt, 2), NAN, -1.0, dt);
+                scene_put(s, 0, 0.0, 3.1 * RADIUS + 0.125 * phase * speed * dt, 0.0, RADIUS);
+                int w = scene_wall(s, "blade", 0);
+                scene_segment(s, w, -1.0, 0.0, 1.0, 0.0, 0);
+                if (wall_moves)
+                    scene_motion(s, 0, w)->velocity[1].value = speed;
+                else
+                    scene_move(s, 0, 0.0, -speed, 0.0);
+                struct run r = run_start(s, 1);
+                int code = 0;
+                for (size_t n = 0; n < 200 && !code; n++)
+                    code = calx_sim_step(r.sim, &e);
+                if (code)
+                    ck_assert_int_eq(code, CALX_ERROR_PHYSICS);
+                else
+                    ck_assert_msg(run_x(&r, 0)[1] > r.sim->posed[0].p.a[1],
+                                  "%g radii a step, wall moves: %d: passed", radii[k], wall_moves);
+                ck_assert(code || radii[k] < 0.5);
+                ck_assert(!code || radii[k] > 0.1);
+                run_free(&r);
+            }
+}
+END_TEST
+
 /* A rough drum turns; a grain that rolls at its bottom without slip stays: no force along the wall,
  * no work. */
 START_TEST(a_grain_rolls_in_a_drum)
@@ -212,6 +248,6 @@ END_TEST
 int main(void)
 {
     const TTest *tests[] = {poses_are_closed_forms, functions_move_walls, a_wall_that_comes_is_met,
-                            a_grain_rolls_in_a_drum};
+                            nothing_passes_a_thin_wall, a_grain_rolls_in_a_drum};
     return run_tests("wall motion", sizeof tests / sizeof *tests, tests);
 }
