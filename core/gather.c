@@ -8,19 +8,6 @@
 #include "core/gather.h"
 #include "core/vector.h"
 
-/* The batch will want these rows when it is full: by then they are on their way. */
-static inline void fetch_ahead(const struct calx_block_view *b, size_t pair, int32_t i, int32_t j)
-{
-    size_t stride = b->s->plan->history_stride;
-    const double *history = b->s->pairs.history + stride * pair;
-    if (stride) {
-        __builtin_prefetch(history);
-        __builtin_prefetch(history + stride - 1);
-    }
-    __builtin_prefetch(b->v + b->stride * (size_t)i);
-    __builtin_prefetch(b->v + b->stride * (size_t)j);
-}
-
 /* The eight pairs from `first`, of which `count` exist: appends to the batch those that count. */
 static void select_eight(const struct calx_block_view *b, size_t first, unsigned exist, double gap,
                          struct calx_columns *c)
@@ -45,7 +32,6 @@ static void select_eight(const struct calx_block_view *b, size_t first, unsigned
         c->source[c->n] = first + k;
         c->row[0][c->n] = i[k];
         c->row[1][c->n++] = j[k];
-        fetch_ahead(b, first + k, i[k], j[k]);
     }
 }
 
@@ -165,6 +151,14 @@ static void forget_parted(size_t n, double gap, const double *restrict overlap, 
         h[c] = overlap[c] > -gap ? h[c] : 0.0;
 }
 
+static bool any_parted(size_t n, double gap, const double *overlap)
+{
+    bool any = false;
+    for (size_t c = 0; c < n; c++)
+        any |= !(overlap[c] > -gap);
+    return any;
+}
+
 void CALX_ISA(calx_gather_keep)(struct calx_sim *s, struct calx_columns *c)
 {
     size_t columns = s->plan->history, stride = s->plan->history_stride, padded = calx_padded(c->n);
@@ -172,7 +166,8 @@ void CALX_ISA(calx_gather_keep)(struct calx_sim *s, struct calx_columns *c)
     calx_v8 h[4];
     for (size_t lane = 0; lane < c->n; lane++)
         s->pairs.touching[c->source[lane]] = c->overlap[lane] > -s->plan->gap;
-    for (size_t k = 0; k < columns; k++)
+    bool parted = any_parted(c->n, s->plan->gap, c->overlap);
+    for (size_t k = 0; k < columns && parted; k++)
         forget_parted(padded, s->plan->gap, c->overlap, c->history[k]);
     for (size_t lane = 0; lane < c->n && stride == 1; lane++)
         s->pairs.history[c->source[lane]] = c->history[0][lane];

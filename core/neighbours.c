@@ -101,7 +101,8 @@ static size_t number_blocks(struct calx_rebuild *r)
         for (size_t t = 0; t < r->types; t++) {
             size_t count = l->type_count ? l->type_count[t] : 0;
             if (count || t == 0)
-                r->groups[r->group_count++] = (struct calx_group){pairs, count, (int32_t)t};
+                r->groups[r->group_count++] = (struct calx_group){
+                    pairs, count, l->touching_count ? l->touching_count[t] : 0, (int32_t)t};
             pairs += count;
         }
         block->group_count = r->group_count - block->group_first;

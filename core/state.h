@@ -15,7 +15,7 @@
 #include "core/measure.h"
 
 enum {
-    CALX_BLOCK = 128,        /* own rows per block */
+    CALX_BLOCK = 1024,        /* own rows per block */
     CALX_LAWS_MAX = 8,       /* contact laws in one stack */
     CALX_HISTORY_MAX = 24,   /* history columns of one stack */
     CALX_STAGES_MAX = 8,     /* force evaluations per step */
@@ -65,7 +65,7 @@ struct calx_plan {
 /* ---- state -------------------------------------------------------------------------------------------- */
 
 struct calx_group {      /* pairs of one block and one pair type */
-    size_t first, count;
+    size_t first, count, close; /* close: those that touched when the list was built, which come first */
     int32_t type;
 };
 

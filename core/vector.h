@@ -58,6 +58,11 @@ static inline void calx_v8_store(double *p, calx_v8 v)
     memcpy(__builtin_assume_aligned(p, 64), &v, sizeof v);
 }
 
+static inline calx_v8 calx_v8_join(calx_v4 first, calx_v4 second)
+{
+    return __builtin_shufflevector(first, second, 0, 1, 2, 3, 4, 5, 6, 7);
+}
+
 /* Eight rows of four become four columns of eight. */
 static inline void calx_rows_to_columns(const calx_v4 r[8], calx_v8 column[4])
 {
