@@ -51,6 +51,10 @@ void CALX_ISA(calx_evaluate_energy)(const struct calx_plan *, size_t type, doubl
 void CALX_ISA(calx_wall_contacts)(struct calx_sim *, size_t block, double dt, bool conduct,
                                   struct calx_columns *, double *energy, const struct calx_sink *);
 
+/* integrate.c: see struct calx_engine. */
+double CALX_ISA(calx_block_before)(struct calx_sim *, size_t block, size_t stage);
+void CALX_ISA(calx_block_finish)(struct calx_sim *, size_t block, int stage, bool ahead);
+
 /* The shares of dissipated work that become heat of body i and body j, for a pair type. */
 void CALX_ISA(calx_heat_shares)(const struct calx_sim *, size_t material_i, size_t material_j, double share[2]);
 

@@ -315,4 +315,6 @@ static void block_network(struct calx_sim *s, size_t block, const struct calx_si
     CALX_ISA(calx_wall_contacts)(s, block, 0.0, b.conduct, c, NULL, sink);
 }
 
-const struct calx_engine CALX_ISA(calx_engine) = {block_forces, block_energy, block_network};
+const struct calx_engine CALX_ISA(calx_engine) = {
+    .block_forces = block_forces, .block_energy = block_energy, .block_network = block_network,
+    .block_before = CALX_ISA(calx_block_before), .block_finish = CALX_ISA(calx_block_finish)};

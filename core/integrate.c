@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Runs the stages of the integrator of motion over the rows of each block, and, between, turns the collected forces into accelerations:
- * a = F/m + g, angular a = torque/I. A fixed body has 1/m = 0 and does not accelerate.
+ * Runs the stages of the integrator of motion over the rows of one block, and, between, collects what earlier blocks left on their copies of
+ * its particles and turns forces into accelerations: a = F/m + g, angular a = torque/I. A fixed body has 1/m = 0 and
+ * does not accelerate.
  */
-#include <math.h>
-
+#include "core/columns.h"
 #include "core/timing.h"
 #include "core/vector.h"
 
@@ -41,9 +41,9 @@ static double largest_speed2(const struct calx_sim *s, const struct calx_row_blo
     return largest;
 }
 
-/* The stage's kernels before the evaluation on one block; returns the square of the largest speed. */
-static double before(struct calx_sim *s, const struct calx_row_block *b, size_t stage)
+double CALX_ISA(calx_block_before)(struct calx_sim *s, size_t block, size_t stage)
 {
+    const struct calx_row_block *b = &s->blocks[block];
     const struct calx_motion_integrator *law = s->plan->motion_law;
     struct calx_clock *clock = calx_timing_clock(s);
     double *extra[CALX_EXTRA_MAX];
@@ -60,36 +60,6 @@ static double before(struct calx_sim *s, const struct calx_row_block *b, size_t 
     return speed2;
 }
 
-static void take_speed(struct calx_sim *s, double speed2)
-{
-    s->speed = sqrt(speed2);
-    s->drift += s->speed * s->plan->dt;
-}
-
-void calx_integrate_ahead(struct calx_sim *s)
-{
-    double largest = 0.0;
-    for (size_t b = 0; b < s->block_count; b++)
-        largest = fmax(largest, s->tallies[b].speed2);
-    take_speed(s, largest);
-}
-
-void calx_integrate_before(struct calx_sim *s, size_t stage)
-{
-    double largest = 0.0;
-    if (s->team <= 1) {
-        for (size_t b = 0; b < s->block_count; b++)
-            largest = fmax(largest, before(s, &s->blocks[b], stage));
-    } else {
-#pragma omp parallel for schedule(static) num_threads(s->team) reduction(max : largest)
-        for (size_t b = 0; b < s->block_count; b++) {
-            double speed2 = before(s, &s->blocks[b], stage);
-            largest = speed2 > largest ? speed2 : largest;
-        }
-    }
-    take_speed(s, largest);
-}
-
 static void collect_ghosts(struct calx_sim *s, const struct calx_row_block *b)
 {
     for (size_t k = b->collect_first; k < b->collect_first + b->collect_count; k++) {
@@ -100,23 +70,37 @@ static void collect_ghosts(struct calx_sim *s, const struct calx_row_block *b)
     }
 }
 
-static void accelerate(struct calx_sim *s, struct calx_row_block *b)
+/* Rows of eight: the second half holds torque and heat flow, which stays. */
+static double accelerate_full(struct calx_sim *s, const struct calx_row_block *b)
 {
-    double inertia = 1.0 / calx_particle_inertia_factor(s->scene), finite = 0.0;
-    double g[3] = {s->gravity[0], s->gravity[1], s->gravity[2]};
+    static const calx_v8 linear = {1, 1, 1, 0, 0, 0, 0, 0}, angular = {0, 0, 0, 0, 1, 1, 1, 0},
+                         heat = {0, 0, 0, 0, 0, 0, 0, 1};
+    const calx_v8 g = {s->gravity[0], s->gravity[1], s->gravity[2], 0, 0, 0, 0, 0};
+    double inertia = 1.0 / calx_particle_inertia_factor(s->scene);
+    calx_v8 finite = {0};
+    for (int32_t i = b->first; i < b->first + b->own; i++) {
+        double *a = calx_row_a(s, i), inverse_mass = calx_row_v(s, i)[3], radius = calx_row_x(s, i)[3];
+        double inverse_inertia = inertia * inverse_mass / (radius * radius);
+        calx_v8 scale = linear * inverse_mass + angular * inverse_inertia + heat;
+        calx_v8 result = scale * calx_v8_load(a) + (inverse_mass > 0.0 ? 1.0 : 0.0) * g;
+        finite += 0.0 * result;
+        calx_v8_store(a, result);
+    }
+    return ((finite[0] + finite[4]) + (finite[2] + finite[6])) + ((finite[1] + finite[5]) + (finite[3] + finite[7]));
+}
+
+static double accelerate_half(struct calx_sim *s, const struct calx_row_block *b)
+{
+    static const calx_v4 linear = {1, 1, 1, 0};
+    const calx_v4 g = {s->gravity[0], s->gravity[1], s->gravity[2], 0};
+    calx_v4 finite = {0};
     for (int32_t i = b->first; i < b->first + b->own; i++) {
         double *a = calx_row_a(s, i), inverse_mass = calx_row_v(s, i)[3];
-        double free = inverse_mass > 0.0 ? 1.0 : 0.0;
-        for (int k = 0; k < 3; k++)
-            a[k] = inverse_mass * a[k] + free * g[k];
-        finite += 0.0 * (a[0] + a[1] + a[2]);
-        if (!s->features.rotation)
-            continue;
-        double radius = calx_row_x(s, i)[3], inverse_inertia = inertia * inverse_mass / (radius * radius);
-        for (int k = 4; k < 7; k++)
-            a[k] *= inverse_inertia;
+        calx_v4 result = linear * inverse_mass * calx_v4_load(a) + (inverse_mass > 0.0 ? 1.0 : 0.0) * g;
+        finite += 0.0 * result;
+        calx_v4_store(a, result);
     }
-    s->tallies[b - s->blocks].finite = finite;
+    return (finite[0] + finite[2]) + (finite[1] + finite[3]);
 }
 
 static void after(struct calx_sim *s, const struct calx_row_block *b, size_t stage)
@@ -132,15 +116,16 @@ static void after(struct calx_sim *s, const struct calx_row_block *b, size_t sta
     }
 }
 
-void calx_integrate_finish(struct calx_sim *s, size_t block, int stage, bool ahead)
+void CALX_ISA(calx_block_finish)(struct calx_sim *s, size_t block, int stage, bool ahead)
 {
+    const struct calx_row_block *b = &s->blocks[block];
     struct calx_clock *clock = calx_timing_clock(s);
     calx_timing_restart(clock);
-    collect_ghosts(s, &s->blocks[block]);
-    accelerate(s, &s->blocks[block]);
+    collect_ghosts(s, b);
+    s->tallies[block].finite = s->r.stride == 8 ? accelerate_full(s, b) : accelerate_half(s, b);
     if (stage >= 0)
-        after(s, &s->blocks[block], (size_t)stage);
+        after(s, b, (size_t)stage);
     calx_timing_lap(clock, CALX_PHASE_INTEGRATE);
     if (ahead)
-        s->tallies[block].speed2 = before(s, &s->blocks[block], 0);
+        s->tallies[block].speed2 = CALX_ISA(calx_block_before)(s, block, 0);
 }

@@ -149,10 +149,10 @@ static double image_distance2(const struct calx_pairs_input *in, const double *a
     int packed = CALX_NO_SHIFT;
     for (int k = 0; k < 3; k++) {
         double d = a[k] - b[k];
-        if (in->periodic[k]) {
-            double turns = nearbyint(d / in->length[k]);
+        if (in->periodic[k]) { /* both are inside the box: at most one turn apart */
+            int turns = (d > 0.5 * in->length[k]) - (d < -0.5 * in->length[k]);
             d -= turns * in->length[k];
-            packed += weight[k] * (int)turns;
+            packed += weight[k] * turns;
         }
         d2 += d * d;
     }

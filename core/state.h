@@ -223,6 +223,11 @@ struct calx_sink {
 struct calx_engine {
     void (*block_forces)(struct calx_sim *, size_t block, double dt, bool conduct);
     void (*block_energy)(struct calx_sim *, size_t block, double *energy);
+    /* The stage's kernels before the evaluation; returns the square of the largest speed. */
+    double (*block_before)(struct calx_sim *, size_t block, size_t stage);
+    /* Of one block, once every block that adds to it has its forces: ghosts' forces to their particles, forces to accelerations, the
+     * stage's kernel after the evaluation (stage < 0: none) and, if nobody looks at the state in between, the next step's before. */
+    void (*block_finish)(struct calx_sim *, size_t block, int stage, bool ahead);
     /* Shows each touching contact with its present forces; changes nothing. */
     void (*block_network)(struct calx_sim *, size_t block, const struct calx_sink *);
 };
@@ -267,13 +272,6 @@ void calx_walls_past_velocity(const struct calx_sim *, int wall, const double at
                               double out[3]);
 struct calx_touch { double distance, normal[3], point[3]; bool end; };
 void calx_surface_nearest(const struct calx_primitive *, uint32_t dimension, const double x[3], struct calx_touch *);
-
-/* integrate.c */
-void calx_integrate_before(struct calx_sim *, size_t stage);
-/* Of one block, once every block that adds to it has its forces: ghosts' forces to their particles, forces to accelerations, the stage's
- * kernel after the evaluation (stage < 0: none) and, if nobody looks at the state in between, the next step's kernel before. */
-void calx_integrate_finish(struct calx_sim *, size_t block, int stage, bool ahead);
-void calx_integrate_ahead(struct calx_sim *); /* takes the speeds that finish(ahead) left */
 
 /* heat.c */
 int calx_heat_step(struct calx_sim *, struct calx_error *); /* after the forces of step s->stage_step */

@@ -36,14 +36,14 @@ static void sweep_part(struct calx_sim *s, double dt, bool conduct, int stage, b
     for (size_t b = first; b < last; b++) {
         s->engine->block_forces(s, b, dt, conduct);
         if (s->blocks[b].earliest >= first)
-            calx_integrate_finish(s, b, stage, ahead);
+            s->engine->block_finish(s, b, stage, ahead);
     }
     if (team == 1)
         return;
 #pragma omp barrier
     for (size_t b = first; b < last; b++)
         if (s->blocks[b].earliest < first)
-            calx_integrate_finish(s, b, stage, ahead);
+            s->engine->block_finish(s, b, stage, ahead);
 }
 
 /* A parallel region costs microseconds even for one thread: a scene of one block does without. */
@@ -91,6 +91,37 @@ static void set_gravity(struct calx_sim *s, double t)
         }
 }
 
+static void take_speed(struct calx_sim *s, double speed2)
+{
+    s->speed = sqrt(speed2);
+    s->drift += s->speed * s->plan->dt;
+}
+
+/* The kernels before this step's evaluation have run at the end of the last. */
+static void go_ahead(struct calx_sim *s)
+{
+    double largest = 0.0;
+    for (size_t b = 0; b < s->block_count; b++)
+        largest = fmax(largest, s->tallies[b].speed2);
+    take_speed(s, largest);
+}
+
+static void go_before(struct calx_sim *s, size_t stage)
+{
+    double largest = 0.0;
+    if (s->team <= 1) {
+        for (size_t b = 0; b < s->block_count; b++)
+            largest = fmax(largest, s->engine->block_before(s, b, stage));
+    } else {
+#pragma omp parallel for schedule(static) num_threads(s->team) reduction(max : largest)
+        for (size_t b = 0; b < s->block_count; b++) {
+            double speed2 = s->engine->block_before(s, b, stage);
+            largest = speed2 > largest ? speed2 : largest;
+        }
+    }
+    take_speed(s, largest);
+}
+
 static bool heat_due(const struct calx_sim *s)
 {
     return s->plan->conductance && (s->stage_step + 1) % s->plan->heat_every == 0;
@@ -101,9 +132,9 @@ static int advance_motion(struct calx_sim *s, double t, bool ahead, struct calx_
     double dt = s->plan->dt;
     for (size_t stage = 0; stage < s->plan->motion_law->stages; stage++) {
         if (s->ahead)
-            calx_integrate_ahead(s);
+            go_ahead(s);
         else
-            calx_integrate_before(s, stage);
+            go_before(s, stage);
         s->ahead = ahead;
         if (stage == 0)
             calx_walls_move(s, t, dt);
