@@ -44,6 +44,42 @@ static int32_t ghost_slot(struct ghost_table *t, struct calx_local *l, int32_t p
     return t->slot[at];
 }
 
+/* Where ghost g came from, and its number. */
+struct numbered {
+    int64_t key;
+    int32_t old;
+};
+
+static int by_key(const void *a, const void *b)
+{
+    int64_t x = ((const struct numbered *)a)->key, y = ((const struct numbered *)b)->key;
+    return (x > y) - (x < y);
+}
+
+/* Numbers the ghosts in the order of their sources, so that refreshing them reads memory in order. */
+static int order_ghosts(struct calx_local *l, int32_t own)
+{
+    struct numbered *list = malloc((l->ghosts + 1) * sizeof *list);
+    int32_t *renamed = malloc((l->ghosts + 1) * sizeof *renamed);
+    int failed = !list || !renamed;
+    for (size_t g = 0; !failed && g < l->ghosts; g++)
+        list[g] = (struct numbered){(int64_t)l->ghost[g] * 32 + l->ghost_shift[g], (int32_t)g};
+    if (!failed)
+        qsort(list, l->ghosts, sizeof *list, by_key);
+    for (size_t g = 0; !failed && g < l->ghosts; g++) {
+        l->ghost[g] = (int32_t)(list[g].key / 32);
+        l->ghost_shift[g] = (uint8_t)(list[g].key % 32);
+        renamed[list[g].old] = (int32_t)g;
+    }
+    for (size_t k = 0; !failed && k < l->pairs; k++) {
+        l->i[k] = l->i[k] < own ? l->i[k] : own + renamed[l->i[k] - own];
+        l->j[k] = l->j[k] < own ? l->j[k] : own + renamed[l->j[k] - own];
+    }
+    free(list);
+    free(renamed);
+    return failed;
+}
+
 static bool both_fixed(const struct calx_rebuild *r, const struct calx_found *f)
 {
     return calx_row_v(r->sim, r->old_row[f->i])[3] <= 0.0 &&
@@ -128,6 +164,8 @@ static int localise_block(const struct calx_rebuild *r, size_t block)
                  !l->touching_count || table_create(&t, count);
     if (!failed)
         group_by_type(r, raw, resolve(r, block, &t, l, raw), l, at);
+    size_t first = block * CALX_BLOCK;
+    failed = failed || order_ghosts(l, (int32_t)(r->n - first < CALX_BLOCK ? r->n - first : CALX_BLOCK));
     free(t.key);
     free(t.slot);
     free(raw);

@@ -286,6 +286,7 @@ int calx_neighbours_build(struct calx_sim *s, struct calx_error *e)
     struct calx_rebuild r = {.sim = s, .n = s->n, .blocks = (s->n + CALX_BLOCK - 1) / CALX_BLOCK,
                              .types = s->scene->material_count * s->scene->material_count};
     size_t lists = r.blocks;
+    calx_skin_tune(s);
     calx_neighbours_team(s);
     int failed = prepare(&r);
     failed = failed || sort_rows(&r);

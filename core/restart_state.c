@@ -12,7 +12,7 @@
 /* The numbers that are not arrays. */
 struct scalars {
     double time, stage_start, dt_now, held, speed, skin, drift, wall_drift, gravity[3];
-    int64_t step, stage_step, rebuilds;
+    int64_t step, stage_step, rebuilds, built_step;
     int32_t stage, models;
     uint8_t done, stage_began, built;
     uint64_t n, rows, pair_count, block_count, group_count, near_count, edge_capacity, boundary_capacity,
@@ -29,6 +29,7 @@ struct scalars {
         (to)->drift = (from)->drift, (to)->wall_drift = (from)->wall_drift;                        \
         memcpy((to)->gravity, (from)->gravity, sizeof (to)->gravity);                              \
         (to)->step = (from)->step, (to)->stage_step = (from)->stage_step;                          \
+        (to)->built_step = (from)->built_step;                                                     \
         (to)->rebuilds = (from)->rebuilds, (to)->stage = (from)->stage;                            \
         (to)->done = (from)->done, (to)->stage_began = (from)->stage_began;                        \
         (to)->built = (from)->built, (to)->n = (from)->n;                                          \

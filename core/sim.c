@@ -29,29 +29,6 @@ static int create_classes(struct calx_sim *s, struct calx_error *e)
     return s->classes ? 0 : calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for probes");
 }
 
-/* The skin of the neighbour list: without a search, everything is always near. */
-static int choose_skin(struct calx_sim *s, struct calx_error *e)
-{
-    const struct calx_scene *scene = s->scene;
-    double mean = 0.0;
-    for (size_t i = 0; i < s->n; i++)
-        mean += scene->particles.radius[i] / (double)s->n;
-    s->skin = scene->skin > 0.0 ? scene->skin : 0.3 * mean;
-    if (!s->features.search && !s->features.periodic)
-        s->skin = INFINITY;
-    for (int k = 0; k < 3 && s->features.search; k++) {
-        double length = scene->high[k] - scene->low[k], cutoff = 2.0 * s->radius_max + s->plan->gap;
-        if (!scene->periodic[k])
-            continue;
-        s->skin = fmin(s->skin, fmax(0.5 * length - cutoff, 0.0));
-        if (0.5 * length <= cutoff * 1.001)
-            return calx_error_set(e, CALX_ERROR_INPUT,
-                "the periodic length along %c, %g m, is too short for particles of radius %g m: a particle could touch two "
-                "images of another; it must be above %g m", "xyz"[k], length, s->radius_max, 2.002 * cutoff);
-    }
-    return 0;
-}
-
 static int first_forces(struct calx_sim *s, struct calx_error *e)
 {
     CALX_TRY(calx_step_begin_stage(s, 0, e));
@@ -71,7 +48,7 @@ static int create(struct calx_sim *s, struct calx_error *e)
     CALX_TRY(calx_plan_create(s, e));
     CALX_TRY(calx_walls_create(s, e));
     CALX_TRY(calx_particles_create(s, e));
-    CALX_TRY(choose_skin(s, e));
+    CALX_TRY(calx_skin_choose(s, e));
     CALX_TRY(create_scratch(s, e));
     CALX_TRY(create_classes(s, e));
     s->engine = calx_engine_pick(NULL);

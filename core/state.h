@@ -165,6 +165,10 @@ struct calx_sim {
     double skin, drift;        /* m: skin, displacement since the list was built (upper bound) */
     double wall_drift, wall_step; /* m: wall_step: the farthest that a wall came in the last step, */
     int wall_fastest;             /* and which */
+    bool skin_tuned;           /* the case does not fix it */
+    double skin_least, skin_most;
+    int64_t built_step;        /* when the list was built */
+    double clearance;          /* m: nobody is nearer to the border of a bounded domain */
     double radius_min, radius_max;
     int64_t rebuilds;
     bool built;
@@ -261,6 +265,10 @@ int calx_particles_create(struct calx_sim *, struct calx_error *);
 int calx_neighbours_build(struct calx_sim *, struct calx_error *);
 void calx_neighbours_team(struct calx_sim *); /* how many threads have blocks to work on */
 bool calx_neighbours_stale(const struct calx_sim *);
+
+/* skin.c: the first width, and a better one at each rebuild. Choosing fails if a periodic length is too short. */
+int calx_skin_choose(struct calx_sim *, struct calx_error *);
+void calx_skin_tune(struct calx_sim *);
 
 /* walls.c, surface.c */
 int calx_walls_create(struct calx_sim *, struct calx_error *);

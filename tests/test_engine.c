@@ -211,6 +211,7 @@ static struct run flock(double drift)
     }
     for (int k = 0; k < 3; k++)
         scene_extent(s, k, 0.0, 0.125, 'p');
+    s->skin = 0.3 * RADIUS; /* narrow: many rebuilds are what is tested */
     return run_start(s, 1);
 }
 
