@@ -324,6 +324,19 @@ static void write_piece(xmlTextWriter *w, const struct grid *g)
     xmlTextWriterEndElement(w);
 }
 
+/* White space between the tag AppendedData and the data. VTK's reader (9.1, in Debian 12's ParaView) feeds its parser pieces of
+ * 4096 bytes and stops at the first after that tag; an expat that defers incomplete tokens (2.6, and Debian's 2.5.0-1+deb12u2
+ * on) sees the tag only with the next piece, which must then be harmless: white space, one whole piece of it wherever
+ * the pieces begin. */
+static void write_gap(xmlTextWriter *w)
+{
+    enum { PIECE = 4096 };
+    char gap[2 * PIECE];
+    memset(gap, ' ', sizeof gap);
+    gap[sizeof gap - 1] = '\0';
+    xmlTextWriterWriteString(w, X(gap));
+}
+
 static void write_head(xmlTextWriter *w, const struct grid *g, double time)
 {
     const uint16_t one = 1;
@@ -343,6 +356,7 @@ static void write_head(xmlTextWriter *w, const struct grid *g, double time)
     xmlTextWriterEndElement(w);
     xmlTextWriterStartElement(w, X("AppendedData"));
     xmlTextWriterWriteAttribute(w, X("encoding"), X("raw"));
+    write_gap(w);
     xmlTextWriterWriteString(w, X("_")); /* the data follow this character */
 }
 

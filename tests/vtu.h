@@ -48,10 +48,15 @@ static inline struct vtu vtu_open(const char *path)
     struct vtu v = {0};
     v.text = vtu_load(path, &v.size);
     ck_assert_msg(v.text != NULL, "cannot read %s", path);
-    static const char tag[] = "<AppendedData encoding=\"raw\">_", end[] = "</AppendedData>";
+    static const char tag[] = "<AppendedData encoding=\"raw\">", end[] = "</AppendedData>";
     char *appended = memmem(v.text, v.size, tag, sizeof tag - 1);
     ck_assert_msg(appended != NULL, "no appended data in %s", path);
-    v.data = (unsigned char *)appended + sizeof tag - 1;
+    char *mark = appended + sizeof tag - 1;
+    mark += strspn(mark, " \n");
+    ck_assert_msg(*mark == '_', "no underscore before the data of %s", path);
+    /* one whole piece of 4096 bytes, wherever pieces begin, must be white space: see write_gap() in io/vtk.c */
+    ck_assert_int_ge(mark - appended, 2 * 4096 - 1);
+    v.data = (unsigned char *)mark + 1;
     char *stop = NULL; /* the last closing tag: the data may contain anything */
     for (char *p = appended; (p = memmem(p, v.size - (size_t)(p - v.text), end, sizeof end - 1));
          p++)
