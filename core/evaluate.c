@@ -165,6 +165,17 @@ static void *pair_params(const struct calx_plugin *plugin, const char *params, s
     return (void *)(params + plugin->params_size * type);
 }
 
+/* The history columns of a law as it asked for them for this pair type: vectors, then, after the vectors of the union, scalars. */
+static void history_columns(const struct calx_law *law, size_t type, struct calx_columns *c, double **out)
+{
+    const struct calx_demand *own = &law->own[type];
+    size_t vectors = 3 * own->history_vectors, scalars = law->first_history + 3 * law->demand.history_vectors;
+    for (size_t h = 0; h < vectors; h++)
+        out[h] = c->history[law->first_history + h];
+    for (size_t h = 0; h < own->history_scalars; h++)
+        out[vectors + h] = c->history[scalars + h];
+}
+
 static void run_laws(const struct calx_plan *p, size_t type, double dt, struct calx_columns *c,
                      struct calx_clock *clock)
 {
@@ -172,9 +183,7 @@ static void run_laws(const struct calx_plan *p, size_t type, double dt, struct c
     for (size_t l = 0; l < p->law_count; l++) {
         const struct calx_law *law = &p->laws[l];
         struct calx_contacts v = view(p, law->demand.needs, dt, c);
-        size_t columns = 3 * law->demand.history_vectors + law->demand.history_scalars;
-        for (size_t h = 0; h < columns; h++)
-            history[h] = c->history[law->first_history + h];
+        history_columns(law, type, c, history);
         v.history = history;
         if (p->cohesion && law->law->provides & CALX_COHESION)
             memcpy(c->coulomb, c->fn, sizeof c->coulomb);
@@ -218,8 +227,7 @@ void CALX_ISA(calx_evaluate_energy)(const struct calx_plan *p, size_t type, doub
     for (size_t l = 0; l < p->law_count; l++) {
         const struct calx_law *law = &p->laws[l];
         struct calx_contacts v = view(p, law->demand.needs, dt, c);
-        for (size_t h = 0; h < 3 * law->demand.history_vectors + law->demand.history_scalars; h++)
-            history[h] = c->history[law->first_history + h];
+        history_columns(law, type, c, history);
         v.history = history;
         law->law->response(pair_params(law->plugin, law->params, type), &v, &response);
     }

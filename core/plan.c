@@ -82,8 +82,8 @@ static bool can_meet(const struct calx_sim *s, size_t a, size_t b)
 static int prepare_pairs(struct calx_sim *s, struct calx_plan *p, const struct calx_model *m,
                          const struct calx_plugin *plugin,
                          int (*prepare)(const struct calx_setup *, void *, struct calx_demand *, char *, size_t),
-                         const struct calx_demand *most, struct calx_demand *demand, char **params,
-                         struct calx_error *e)
+                         const struct calx_demand *most, struct calx_demand *demand, struct calx_demand *own,
+                         char **params, struct calx_error *e)
 {
     size_t n = s->scene->material_count;
     struct calx_setup setup = setup_of(s->scene, p);
@@ -101,6 +101,8 @@ static int prepare_pairs(struct calx_sim *s, struct calx_plan *p, const struct c
             return calx_error_at(e, CALX_ERROR_INPUT, m->place, "%s '%s' (materials %s and %s): %s",
                                  calx_kind_name(m->kind), plugin->name, s->scene->materials[type / n].name,
                                  s->scene->materials[type % n].name, why);
+        if (own)
+            own[type] = d;
         demand->needs |= d.needs;
         demand->history_vectors = d.history_vectors > demand->history_vectors ? d.history_vectors
                                                                               : demand->history_vectors;
@@ -119,7 +121,11 @@ static int add_law(struct calx_sim *s, struct calx_plan *p, const struct calx_mo
     struct calx_law *law = &p->laws[p->law_count++];
     law->plugin = plugin;
     law->law = plugin->law;
-    return prepare_pairs(s, p, m, plugin, law->law->prepare, &law->law->demand, &law->demand, &law->params, e);
+    law->own = calx_memory_zeroed(s->scene->material_count * s->scene->material_count, sizeof *law->own);
+    if (!law->own)
+        return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for parameters");
+    return prepare_pairs(s, p, m, plugin, law->law->prepare, &law->law->demand, &law->demand, law->own,
+                         &law->params, e);
 }
 
 static int add_conductance(struct calx_sim *s, struct calx_plan *p, const struct calx_model *m,
@@ -128,7 +134,7 @@ static int add_conductance(struct calx_sim *s, struct calx_plan *p, const struct
     const struct calx_conductance_law *law = plugin->law;
     p->conductance = plugin;
     return prepare_pairs(s, p, m, plugin, law->prepare, &law->demand, &p->conductance_demand,
-                         &p->conductance_params, e);
+                         NULL, &p->conductance_params, e);
 }
 
 static int prepare_run(struct calx_sim *s, struct calx_plan *p, const struct calx_model *m,
@@ -343,8 +349,10 @@ void calx_plan_free(struct calx_sim *s)
     size_t types = s->scene->material_count * s->scene->material_count;
     for (size_t k = 0; s->plans && k < s->plan_count; k++) {
         struct calx_plan *p = &s->plans[k];
-        for (size_t l = 0; l < p->law_count; l++)
+        for (size_t l = 0; l < p->law_count; l++) {
             release_pairs(types, p->laws[l].plugin, p->laws[l].params, p->laws[l].law->release);
+            free(p->laws[l].own);
+        }
         if (p->conductance)
             release_pairs(types, p->conductance, p->conductance_params,
                           ((const struct calx_conductance_law *)p->conductance->law)->release);

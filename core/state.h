@@ -18,7 +18,6 @@ enum {
     CALX_BLOCK = 1024,        /* own rows per block */
     CALX_LAWS_MAX = 8,       /* contact laws in one stack */
     CALX_HISTORY_MAX = 24,   /* history columns of one stack */
-    CALX_STAGES_MAX = 8,     /* force evaluations per step */
     CALX_EXTRA_MAX = 8,
     CALX_SELDOM = 256        /* steps between the dearer guards */
 };
@@ -31,6 +30,7 @@ struct calx_law {
     char *params;            /* one struct per pair type, params_size apart */
     size_t first_history;    /* column */
     struct calx_demand demand; /* the union over pair types */
+    struct calx_demand *own;   /* per pair type: its scalars come after the vectors of the union, whatever it keeps of them */
 };
 
 /* The plan of one set of models. */
@@ -59,7 +59,6 @@ struct calx_plan {
     double heat_dt;
     bool cohesion;            /* the Coulomb limit differs from fn */
     bool global_heat;
-    int previous;             /* models of the plan before share its stack of laws, or -1 */
 };
 
 /* ---- state -------------------------------------------------------------------------------------------- */
@@ -103,7 +102,6 @@ struct calx_tally {
     int32_t overlap_rows[2];            /* whose; -1 - wall for a wall */
     double finite;                      /* 0, or NaN if a state is not finite */
     double speed2;                      /* m2/s2, largest, if the block went ahead */
-    double temperature[2];              /* min, max, K */
     size_t edges, boundaries;
     double energy;            /* J, elastic; when asked for */
 };
@@ -250,7 +248,6 @@ static inline size_t calx_plan_pair_type(size_t materials, size_t a, size_t b)
 {
     return a <= b ? a * materials + b : b * materials + a;
 }
-const struct calx_material *calx_plan_material(const struct calx_sim *, size_t m);
 double calx_plan_material_value(const struct calx_scene *, size_t material, const char *name);
 
 /* critical.c: the largest stable step of a plan, from the stiffest pair of bodies. */
