@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Private to core: the columns of one batch of contacts and what is done with them. Contacts between particles and contacts
- * with walls are filled in by different code (contacts.c, wall_contacts.c) and evaluated by the same (evaluate.c).
+ * Private to core: the columns of one batch of contacts and what is done with them. Contacts between particles are filled in and
+ * delivered by gather.c and scatter.c, contacts with walls by wall_contacts.c; the laws (evaluate.c) see no difference.
  * These files are compiled once per instruction set: CALX_ISA(name) gives each copy its own names.
  */
 #ifndef CALX_COLUMNS_H
@@ -16,46 +16,52 @@
 #define CALX_PASTE(a, b) CALX_PASTE_(a, b)
 #define CALX_ISA(name) CALX_PASTE(name, CALX_ISA_NAME)
 
-/* Scratch of one thread, small enough for L1. Filled before evaluation: distance to work; then fn to history. */
+typedef double calx_column[CALX_BATCH];
+
+/* Scratch of one thread, small enough for L1. */
 struct calx_columns {
-    /* in */
-    double overlap[CALX_BATCH], normal[3][CALX_BATCH], reach[CALX_BATCH]; /* reach: sum of radii */
-    double velocity[3][CALX_BATCH];         /* v_i - v_j of the centres; of a wall: at the contact point */
-    double lever[2][CALX_BATCH];            /* from each centre to the contact point; 0 for a wall */
-    double omega[2][3][CALX_BATCH];
-    double tilt[CALX_BATCH];                /* velocity_lag*dt/distance: turns the normal back to when the velocity was; 0 for walls */
-    double inverse_mass[CALX_BATCH], curvature[2][CALX_BATCH], temperature[2][CALX_BATCH];
-    double history[CALX_HISTORY_MAX][CALX_BATCH];
-    /* worked out */
-    double vn[CALX_BATCH], vt[3][CALX_BATCH], spin[3][CALX_BATCH];
-    /* out */
-    double fn[CALX_BATCH], coulomb[CALX_BATCH], ft[3][CALX_BATCH], torque[3][CALX_BATCH], work[CALX_BATCH];
-    double conductance[CALX_BATCH], heat[2][CALX_BATCH]; /* W/K; W into i and into j */
-    double energy[CALX_BATCH];
-    double force[3][CALX_BATCH], twist[3][CALX_BATCH]; /* on i; n x ft: what the levers multiply */
-    int32_t row[2][CALX_BATCH];
-    size_t source[CALX_BATCH]; /* pair, or wall contact, the lane came from */
-    size_t n;                  /* last, so that every column is aligned */
+    /* what the laws see; `history` points into the store of the pairs, or to `kept` for walls and for whoever only looks */
+    calx_column overlap, normal[3], vn, vt[3], spin[3], mass, curvature[2], temperature[2];
+    double *history[CALX_HISTORY_MAX];
+    /* what they answer */
+    calx_column fn, coulomb, ft[3], torque[3], work, conductance, energy;
+    /* what takes forces to the bodies: sum and difference (i less j) of the levers, T_i - T_j */
+    calx_column levers, excess, warmth;
+    /* of wall contacts: v_i less the wall's at the contact point, spin of the grain; out: force on i, n x ft */
+    calx_column velocity[3], omega[3], force[3], twist[3];
+    calx_column kept[CALX_HISTORY_MAX];
+    uint8_t was[CALX_BATCH / 8], is[CALX_BATCH / 8]; /* touching, before and now: a bit per lane */
+    size_t n;                                        /* last, so that every column is aligned */
 } __attribute__((aligned(64)));
 
-/* Fills vn, vt, spin, turns the history, runs the laws and the conductance: fn .. conductance, force, twist. clock may be NULL. */
-void CALX_ISA(calx_evaluate_batch)(const struct calx_plan *, size_t type, double dt, bool conduct,
-                                   struct calx_columns *, struct calx_clock *);
+/* ---- evaluate.c ---- */
 
-/* Adds the stored elastic energy of each lane to energy[]; needs what calx_evaluate_batch leaves. */
-void CALX_ISA(calx_evaluate_energy)(const struct calx_plan *, size_t type, double dt,
-                                    struct calx_columns *);
+/* Of wall contacts: overlap, normal, velocity, omega, levers and excess to vn, vt and spin; turns the history with the normal. */
+void CALX_ISA(calx_evaluate_motion)(const struct calx_plan *, double dt, struct calx_columns *);
+
+/* Runs the laws and, if `conduct`, the conductance: fn to conductance. clock may be NULL. */
+void CALX_ISA(calx_evaluate_laws)(const struct calx_plan *, size_t type, double dt, bool conduct,
+                                  struct calx_columns *, struct calx_clock *clock);
+
+/* fn, ft and normal to force and twist. */
+void CALX_ISA(calx_evaluate_force)(const struct calx_plan *, struct calx_columns *);
+
+/* The stored elastic energy of each lane into energy[]; needs what the laws saw. */
+void CALX_ISA(calx_evaluate_energy)(const struct calx_plan *, size_t type, double dt, struct calx_columns *);
+
+/* ---- wall_contacts.c ---- */
 
 /* Wall contacts of one block: into its rows, tally and wall forces; or, if energy is not NULL, only the elastic energy is added
  * there; or, if sink is not NULL, each contact is only shown to it. */
 void CALX_ISA(calx_wall_contacts)(struct calx_sim *, size_t block, double dt, bool conduct,
                                   struct calx_columns *, double *energy, const struct calx_sink *);
 
-/* integrate.c: see struct calx_engine. */
-double CALX_ISA(calx_block_before)(struct calx_sim *, size_t block, size_t stage);
-void CALX_ISA(calx_block_finish)(struct calx_sim *, size_t block, int stage, bool ahead);
-
 /* The shares of dissipated work that become heat of body i and body j, for a pair type. */
 void CALX_ISA(calx_heat_shares)(const struct calx_sim *, size_t material_i, size_t material_j, double share[2]);
+
+/* ---- integrate.c: see struct calx_engine ---- */
+
+double CALX_ISA(calx_block_before)(struct calx_sim *, size_t block, size_t stage);
+void CALX_ISA(calx_block_finish)(struct calx_sim *, size_t block, int stage, bool ahead);
 
 #endif

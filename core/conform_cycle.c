@@ -175,7 +175,7 @@ static void begin(struct books *b, struct amplitudes *a, const struct calx_choic
             b->t.column[k][i] = 0;
     calx_trial_respond(&b->t, c);
     double k0 = fmax(b->t.column[CALX_COL_STIFFNESS][0], b->t.column[CALX_COL_STIFFNESS + 1][0]);
-    b->t.dt = (k0 > 0 ? 2 * M_PI / sqrt(k0 * b->t.column[CALX_COL_INVERSE_MASS][0]) : 1) / STEPS;
+    b->t.dt = (k0 > 0 ? 2 * M_PI / sqrt(k0 / b->t.column[CALX_COL_MASS][0]) : 1) / STEPS;
     for (size_t i = 0; i < b->t.n; i++) {
         double kt = b->t.column[CALX_COL_STIFFNESS + 1][i];
         a->normal_force[i] =

@@ -23,6 +23,7 @@ static const struct {
     {CALX_COL_TORQUE, 3, CALX_NEEDS_SPIN},
     {CALX_COL_TEMPERATURE, 2, CALX_NEEDS_TEMPERATURE},
     {CALX_COL_COULOMB, 1, CALX_NEEDS_NORMAL_FORCE},
+    {CALX_COL_CURVATURE, 2, CALX_NEEDS_CURVATURE},
 };
 
 static size_t history_columns(const struct calx_choice *c)
@@ -53,7 +54,7 @@ static void fill_geometry(struct calx_trial *t, size_t c, uint64_t *seed)
         col[CALX_COL_CURVATURE + k][c] = k && wall ? 0 : 1 / r[k];
         col[CALX_COL_TEMPERATURE + k][c] = calx_conform_random(seed, 300, 400);
     }
-    col[CALX_COL_INVERSE_MASS][c] = 1 / mass[0] + (wall ? 0 : 1 / mass[1]);
+    col[CALX_COL_MASS][c] = 1 / (1 / mass[0] + (wall ? 0 : 1 / mass[1]));
     col[CALX_COL_OVERLAP][c] =
         (c % 4 == 2 ? -0.01 : 0.02) * calx_conform_random(seed, 0.01, 1) * r[0];
     col[CALX_COL_COULOMB][c] = calx_conform_random(seed, 0.1, 1);
@@ -129,7 +130,7 @@ static struct calx_contacts view(struct calx_trial *t, double *history[])
                               .dt = t->dt,
                               .overlap = col[CALX_COL_OVERLAP],
                               .vn = col[CALX_COL_VN],
-                              .inverse_mass = col[CALX_COL_INVERSE_MASS],
+                              .mass = col[CALX_COL_MASS],
                               .coulomb = col[CALX_COL_COULOMB],
                               .fn = col[CALX_COL_FN],
                               .work = col[CALX_COL_WORK],

@@ -45,21 +45,21 @@ static void respond(const struct calx_plan *p, const struct pair_case *c, double
                     double stiffness[2], double damping[2])
 {
     static const double zero[CALX_WIDTH] = {0};
-    double depth[CALX_WIDTH] = {overlap}, inverse_mass[CALX_WIDTH], curvature[2][CALX_WIDTH], one[CALX_WIDTH];
+    double depth[CALX_WIDTH] = {overlap}, mass[CALX_WIDTH], curvature[2][CALX_WIDTH], one[CALX_WIDTH];
     double e[CALX_WIDTH] = {0}, k[2][CALX_WIDTH] = {{0}}, d[2][CALX_WIDTH] = {{0}}, h[CALX_HISTORY_MAX][CALX_WIDTH];
     double *history[CALX_HISTORY_MAX], scratch[8][CALX_WIDTH] = {{0}}, warm[CALX_WIDTH];
     memset(h, 0, sizeof h);
     for (size_t q = 0; q < CALX_HISTORY_MAX; q++)
         history[q] = h[q];
     for (size_t q = 0; q < CALX_WIDTH; q++) {
-        inverse_mass[q] = 1.0 / c->mass[0] + 1.0 / c->mass[1];
+        mass[q] = 1.0 / (1.0 / c->mass[0] + 1.0 / c->mass[1]);
         for (int b = 0; b < 2; b++)
             curvature[b][q] = c->radius[b] > 0.0 ? 1.0 / c->radius[b] : 0.0;
         one[q] = 1.0;
         warm[q] = 293.15;
     }
     struct calx_contacts batch = {.size = sizeof batch, .n = 1, .overlap = depth, .normal = {one, zero, zero},
-        .vn = zero, .vt = {zero, zero, zero}, .spin = {zero, zero, zero}, .inverse_mass = inverse_mass,
+        .vn = zero, .vt = {zero, zero, zero}, .spin = {zero, zero, zero}, .mass = mass,
         .curvature = {curvature[0], curvature[1]}, .temperature = {warm, warm}, .coulomb = scratch[0],
         .fn = scratch[0], .ft = {scratch[1], scratch[2], scratch[3]},
         .torque = {scratch[4], scratch[5], scratch[6]}, .work = scratch[7], .history = history};

@@ -1,148 +1,86 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * One batch of contacts, whatever the bodies: kinematics of the contact point, the turning of history with the normal, the stack of laws,
- * the conductance. The normal used for the tangential velocity is that of the moment the velocity belongs to (half a step
- * back for velocity Verlet), then the result is turned to the present normal; without this, friction at large size ratios
- * sticks where it should slip (Vyas et al., Comput. Phys. Commun. 310 (2025) 109524).
+ * One batch of contacts, whatever the bodies: the stack of laws and the conductance. And for wall contacts, which come as single lanes, what
+ * gather.c does for pairs: velocities at the contact point and the turning of history.
  */
-#include <math.h>
 #include <string.h>
 
 #include "core/columns.h"
+#include "core/lanes.h"
 #include "core/timing.h"
 
-typedef double column[CALX_BATCH];
-
-/* u.m with m the normal when the velocity u was, to first order in the turn since: what is lost and stored then balances to second order. */
-static void normal_velocity(size_t n, const column *restrict normal, const column *restrict velocity,
-                            const double *restrict tilt, double *restrict vn)
-{
-    for (size_t c = 0; c < n; c++) {
-        double x = velocity[0][c], y = velocity[1][c], z = velocity[2][c];
-        double un = x * normal[0][c] + y * normal[1][c] + z * normal[2][c];
-        vn[c] = un - tilt[c] * (x * x + y * y + z * z - un * un);
-    }
-}
-
-/* Velocity of i relative to j at the contact point, tangential: u - (u.m) m with m the normal when u was, then laid into the plane of n.
- * w: sum of lever times spin; a point at -l n from i moves with v_i - l w_i x n. */
-static void tangential_velocity(size_t n, const column *restrict normal,
-                                const column *restrict velocity, const column *restrict w,
-                                const double *restrict tilt, column *restrict vt)
-{
-    for (size_t c = 0; c < n; c++) {
-        double x = normal[0][c] - tilt[c] * velocity[0][c], y = normal[1][c] - tilt[c] * velocity[1][c],
-               z = normal[2][c] - tilt[c] * velocity[2][c];
-        double s = 1.0 / sqrt(x * x + y * y + z * z);
-        x *= s;
-        y *= s;
-        z *= s;
-        double ux = velocity[0][c] - (w[1][c] * z - w[2][c] * y);
-        double uy = velocity[1][c] - (w[2][c] * x - w[0][c] * z);
-        double uz = velocity[2][c] - (w[0][c] * y - w[1][c] * x);
-        double un = ux * x + uy * y + uz * z;
-        ux -= un * x;
-        uy -= un * y;
-        uz -= un * z;
-        un = ux * normal[0][c] + uy * normal[1][c] + uz * normal[2][c];
-        vt[0][c] = ux - un * normal[0][c];
-        vt[1][c] = uy - un * normal[1][c];
-        vt[2][c] = uz - un * normal[2][c];
-    }
-}
-
-/* The levers are those of when the spins were: they grow by `back` times vn until the present. */
-static void lever_spin(size_t n, double back, const double *restrict vn, const column *restrict lever,
-                       const column *restrict wi, const column *restrict wj, column *restrict w)
+static void load3(const calx_column *from, size_t lane, calx_v8 v[3])
 {
     for (int k = 0; k < 3; k++)
-        for (size_t c = 0; c < n; c++)
-            w[k][c] = (lever[0][c] - back * vn[c]) * wi[k][c] + (lever[1][c] - back * vn[c]) * wj[k][c];
+        v[k] = calx_v8_load(from[k] + lane);
 }
 
-static void relative_spin(size_t n, const column *restrict wi, const column *restrict wj,
-                          column *restrict spin)
+static void store3(calx_column *to, size_t lane, const calx_v8 v[3])
 {
     for (int k = 0; k < 3; k++)
-        for (size_t c = 0; c < n; c++)
-            spin[k][c] = wi[k][c] - wj[k][c];
+        calx_v8_store(to[k] + lane, v[k]);
 }
 
-/* Turns a history vector with the normal since the evaluation before, and keeps its length: by the least rotation, h - (h.n)/(m.n) m with m along the normal half
- * way. m is that of the velocity (lag 1/2); with another lag, and at walls, m = n: h is laid into the plane of n, first order in the turn. */
-static void turn_vector(size_t n, const column *restrict normal, const column *restrict velocity,
-                        const double *restrict tilt, column *restrict h)
+static void turn_history(const struct calx_plan *p, const calx_v8 n[3], struct calx_columns *c, size_t lane)
 {
-    for (size_t c = 0; c < n; c++) {
-        double mx = normal[0][c] - tilt[c] * velocity[0][c], my = normal[1][c] - tilt[c] * velocity[1][c],
-               mz = normal[2][c] - tilt[c] * velocity[2][c];
-        double before = h[0][c] * h[0][c] + h[1][c] * h[1][c] + h[2][c] * h[2][c];
-        double hn = h[0][c] * normal[0][c] + h[1][c] * normal[1][c] + h[2][c] * normal[2][c];
-        double f = hn / (mx * normal[0][c] + my * normal[1][c] + mz * normal[2][c]);
-        double x = h[0][c] - f * mx, y = h[1][c] - f * my, z = h[2][c] - f * mz;
-        double after = x * x + y * y + z * z;
-        double s = after > 0.0 ? sqrt(before / after) : 0.0;
-        h[0][c] = s * x;
-        h[1][c] = s * y;
-        h[2][c] = s * z;
+    for (size_t h = 0; h < p->history; h++) {
+        if (!p->history_is_vector[h])
+            continue;
+        calx_v8 v[3];
+        for (int k = 0; k < 3; k++)
+            v[k] = calx_v8_load(c->history[h + k] + lane);
+        calx_lanes_turn_flat(n, v);
+        for (int k = 0; k < 3; k++)
+            calx_v8_store(c->history[h + k] + lane, v[k]);
     }
 }
 
-/* force = fn n + ft; twist = n x ft. */
-static void assemble(size_t n, const double *restrict fn, const column *restrict ft,
-                     const column *restrict normal, column *restrict force, column *restrict twist)
+void CALX_ISA(calx_evaluate_motion)(const struct calx_plan *p, double dt, struct calx_columns *c)
 {
-    for (size_t c = 0; c < n; c++) {
-        double x = normal[0][c], y = normal[1][c], z = normal[2][c];
-        force[0][c] = fn[c] * x + ft[0][c];
-        force[1][c] = fn[c] * y + ft[1][c];
-        force[2][c] = fn[c] * z + ft[2][c];
-        twist[0][c] = y * ft[2][c] - z * ft[1][c];
-        twist[1][c] = z * ft[0][c] - x * ft[2][c];
-        twist[2][c] = x * ft[1][c] - y * ft[0][c];
+    double growth = p->motion_law && !p->models->lever_full ? p->motion_law->velocity_lag * dt : 0.0;
+    for (size_t lane = 0; lane < c->n; lane += 8) {
+        calx_v8 n[3], u[3], omega[3], w[3] = {{0}}, vt[3];
+        load3(c->normal, lane, n);
+        load3(c->velocity, lane, u);
+        calx_v8 vn = calx_lanes_dot(n, u);
+        calx_v8_store(c->vn + lane, vn);
+        if (!(p->needs & CALX_NEEDS_TANGENT))
+            continue;
+        if (p->needs & CALX_NEEDS_ROTATION) {
+            load3(c->omega, lane, omega);
+            calx_v8 lever = calx_v8_load(c->levers + lane) - 0.5 * growth * vn;
+            for (int k = 0; k < 3; k++)
+                w[k] = lever * omega[k];
+            if (p->needs & CALX_NEEDS_SPIN)
+                store3(c->spin, lane, omega);
+        }
+        calx_lanes_slide(n, u, w, vt);
+        store3(c->vt, lane, vt);
+        turn_history(p, n, c, lane);
     }
 }
 
-static void normal_force_only(size_t n, const double *restrict fn, const column *restrict normal,
-                              column *restrict force)
+void CALX_ISA(calx_evaluate_force)(const struct calx_plan *p, struct calx_columns *c)
 {
-    for (int k = 0; k < 3; k++)
-        for (size_t c = 0; c < n; c++)
-            force[k][c] = fn[c] * normal[k][c];
-}
-
-/* Half the way that bodies part at unit speed between the moment of the velocities and now; levers of R do not grow. */
-static double lever_growth(const struct calx_plan *p, double dt)
-{
-    return p->motion_law && !p->models->lever_full ? 0.5 * p->motion_law->velocity_lag * dt : 0.0;
-}
-
-static void kinematics(const struct calx_plan *p, double dt, struct calx_columns *c, size_t padded)
-{
-    normal_velocity(padded, c->normal, c->velocity, c->tilt, c->vn);
-    if (!(p->needs & CALX_NEEDS_TANGENT))
-        return;
-    column w[3];
-    if (p->needs & CALX_NEEDS_ROTATION)
-        lever_spin(padded, lever_growth(p, dt), c->vn, c->lever, c->omega[0], c->omega[1], w);
-    else
-        memset(w, 0, sizeof w);
-    tangential_velocity(padded, c->normal, c->velocity, w, c->tilt, c->vt);
-    if (p->needs & CALX_NEEDS_SPIN)
-        relative_spin(padded, c->omega[0], c->omega[1], c->spin);
-    for (size_t h = 0; h < p->history; h++)
-        if (p->history_is_vector[h])
-            turn_vector(padded, c->normal, c->velocity, c->tilt, &c->history[h]);
+    for (size_t lane = 0; lane < c->n; lane += 8) {
+        calx_v8 n[3], ft[3] = {{0}}, force[3], twist[3];
+        load3(c->normal, lane, n);
+        if (p->needs & CALX_NEEDS_TANGENT)
+            load3(c->ft, lane, ft);
+        calx_lanes_force(n, calx_v8_load(c->fn + lane), ft, force);
+        calx_lanes_twist(n, ft, twist);
+        store3(c->force, lane, force);
+        store3(c->twist, lane, twist);
+    }
 }
 
 /* The batch as a plugin sees it: columns it has not asked for are NULL. */
-static struct calx_contacts view(const struct calx_plan *p, uint32_t needs, double dt,
-                                 struct calx_columns *c)
+static struct calx_contacts view(const struct calx_plan *p, uint32_t needs, double dt, struct calx_columns *c)
 {
     struct calx_contacts v = {.size = sizeof v, .n = c->n, .dt = dt, .overlap = c->overlap, .vn = c->vn,
-                              .inverse_mass = c->inverse_mass, .fn = c->fn, .work = c->work};
+                              .mass = c->mass, .fn = c->fn, .work = c->work};
     for (int k = 0; k < 2; k++) {
-        v.curvature[k] = c->curvature[k];
+        v.curvature[k] = needs & CALX_NEEDS_CURVATURE ? c->curvature[k] : NULL;
         v.temperature[k] = needs & CALX_NEEDS_TEMPERATURE ? c->temperature[k] : NULL;
     }
     for (int k = 0; k < 3; k++) {
@@ -192,24 +130,23 @@ static void run_laws(const struct calx_plan *p, size_t type, double dt, struct c
     }
 }
 
-void CALX_ISA(calx_evaluate_batch)(const struct calx_plan *p, size_t type, double dt, bool conduct,
-                                   struct calx_columns *c, struct calx_clock *clock)
+static void clear(calx_column *columns, size_t count, size_t n)
 {
-    size_t padded = (c->n + CALX_WIDTH - 1) / CALX_WIDTH * CALX_WIDTH;
-    memset(c->fn, 0, sizeof c->fn);
-    memset(c->work, 0, sizeof c->work);
+    for (size_t k = 0; k < count; k++)
+        memset(columns[k], 0, n * sizeof(double));
+}
+
+void CALX_ISA(calx_evaluate_laws)(const struct calx_plan *p, size_t type, double dt, bool conduct,
+                                  struct calx_columns *c, struct calx_clock *clock)
+{
+    size_t padded = calx_padded(c->n);
+    clear(&c->fn, 1, padded);
+    clear(&c->work, 1, padded);
     if (p->needs & CALX_NEEDS_TANGENT)
-        memset(c->ft, 0, sizeof c->ft);
+        clear(c->ft, 3, padded);
     if (p->needs & CALX_NEEDS_SPIN)
-        memset(c->torque, 0, sizeof c->torque);
-    kinematics(p, dt, c, padded);
-    calx_timing_lap(clock, CALX_PHASE_KINEMATICS);
+        clear(c->torque, 3, padded);
     run_laws(p, type, dt, c, clock);
-    if (p->needs & CALX_NEEDS_TANGENT)
-        assemble(padded, c->fn, c->ft, c->normal, c->force, c->twist);
-    else
-        normal_force_only(padded, c->fn, c->normal, c->force);
-    calx_timing_lap(clock, CALX_PHASE_KINEMATICS);
     if (conduct) {
         const struct calx_conductance_law *law = p->conductance->law;
         struct calx_contacts v = view(p, p->conductance_demand.needs, dt, c);
@@ -218,8 +155,7 @@ void CALX_ISA(calx_evaluate_batch)(const struct calx_plan *p, size_t type, doubl
     }
 }
 
-void CALX_ISA(calx_evaluate_energy)(const struct calx_plan *p, size_t type, double dt,
-                                    struct calx_columns *c)
+void CALX_ISA(calx_evaluate_energy)(const struct calx_plan *p, size_t type, double dt, struct calx_columns *c)
 {
     double *history[CALX_HISTORY_MAX];
     memset(c->energy, 0, sizeof c->energy);

@@ -1,182 +1,210 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * From rows to the columns of a batch: picks, eight pairs at a time, those that touch (or did at the last evaluation), then
- * turns the rows of their bodies and their history into columns.
+ * From rows to the columns of a batch: eight pairs at a time, the rows of their bodies are subtracted or added and turned into columns, from
+ * which follow normal, overlap and velocities; history is turned with the normal where it is stored. Variants, chosen by what the
+ * scene has: rows with or without a second half, with or without rotation, bodies of one or of several sizes.
  */
-#include <math.h>
-
 #include "core/gather.h"
-#include "core/vector.h"
+#include "core/lanes.h"
 
-/* The eight pairs from `first`, of which `count` exist: appends to the batch those that count. */
-static void select_eight(const struct calx_block_view *b, size_t first, unsigned exist, double gap,
-                         struct calx_columns *c)
+#define CALX_INLINE static inline __attribute__((always_inline))
+
+/* What does not change within a batch. */
+struct constants {
+    double lag, growth; /* s: of the velocities; by which the sum of levers grows per normal velocity until now */
+    double half_step;   /* s */
+    double gap, diameter;
+    bool centred;       /* the contact point is at the middle of the overlap; else the levers are the radii */
+};
+
+static struct constants constants_of(const struct calx_block_view *b)
 {
-    static const calx_v4 sign = {-1.0, -1.0, -1.0, 1.0};
-    const int32_t *i = b->s->pairs.i + first, *j = b->s->pairs.j + first;
+    const struct calx_plan *p = b->s->plan;
+    bool centred = !p->models->lever_full;
+    double lag = p->motion_law && centred ? p->motion_law->velocity_lag * b->dt : 0.0;
+    return (struct constants){.lag = lag, .growth = lag, .half_step = 0.5 * b->dt, .gap = p->gap,
+                              .diameter = 2.0 * b->s->radius_max, .centred = centred};
+}
+
+CALX_INLINE calx_v8 pick(const double *rows, size_t stride, const int32_t *row, size_t lane)
+{
+    const double *at = rows + lane;
+    return (calx_v8){at[stride * (size_t)row[0]], at[stride * (size_t)row[1]], at[stride * (size_t)row[2]],
+                     at[stride * (size_t)row[3]], at[stride * (size_t)row[4]], at[stride * (size_t)row[5]],
+                     at[stride * (size_t)row[6]], at[stride * (size_t)row[7]]};
+}
+
+CALX_INLINE void store3(calx_column *to, size_t lane, const calx_v8 v[3])
+{
+    for (int k = 0; k < 3; k++)
+        calx_v8_store(to[k] + lane, v[k]);
+}
+
+/* Differences of rows of four, from lane `at` of rows `stride` apart, as columns. */
+CALX_INLINE void subtract(const double *rows, size_t stride, const int32_t *i, const int32_t *j, calx_v8 d[4])
+{
     calx_v4 row[8];
-    calx_v8 d[4];
-    for (size_t k = 0; k < 8; k++)
-        row[k] = calx_v4_load(b->x + 4 * (size_t)i[k]) + sign * calx_v4_load(b->x + 4 * (size_t)j[k]);
+    for (int k = 0; k < 8; k++)
+        row[k] = calx_v4_load(rows + stride * (size_t)i[k]) - calx_v4_load(rows + stride * (size_t)j[k]);
     calx_rows_to_columns(row, d);
-    calx_v8 reach = d[3] + gap, distance2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    unsigned bits = calx_v8_less(distance2, reach * reach);
-    bits = (bits | calx_bytes_to_bits(b->s->pairs.touching + first)) & exist;
-    if (!bits)
-        return;
-    for (int k = 0; k < 3; k++)
-        calx_v8_pick(c->normal[k] + c->n, d[k], bits);
-    calx_v8_pick(c->reach + c->n, d[3], bits);
-    for (; bits; bits &= bits - 1) {
-        size_t k = (size_t)__builtin_ctz(bits);
-        c->source[c->n] = first + k;
-        c->row[0][c->n] = i[k];
-        c->row[1][c->n++] = j[k];
-    }
 }
 
-size_t CALX_ISA(calx_gather_select)(const struct calx_block_view *b, size_t first, size_t end, double gap,
-                                    struct calx_columns *c)
+/* Velocity and temperature of i less those of j, and the sums of inverse masses and spins. */
+CALX_INLINE void combine(const double *v, const int32_t *i, const int32_t *j, calx_v8 c[8])
 {
-    c->n = 0;
-    for (; first < end && c->n <= CALX_BATCH - 8; first += 8)
-        select_eight(b, first, end - first < 8 ? (1u << (end - first)) - 1 : 0xffu, gap, c);
-    return first;
+    static const calx_v8 minus = {-0.0, -0.0, -0.0, 0.0, 0.0, 0.0, 0.0, -0.0};
+    for (int k = 0; k < 8; k++)
+        c[k] = calx_v8_load(v + 8 * (size_t)i[k]) + calx_v8_flip(calx_v8_load(v + 8 * (size_t)j[k]), minus);
+    calx_transpose8(c);
 }
 
-/* Velocities, spins and temperatures of lanes lane..lane+7. */
-static void gather_velocities(const struct calx_block_view *b, struct calx_columns *c, size_t lane)
+CALX_INLINE void turn_history(const struct calx_plan *p, const calx_v8 n[3], const calx_v8 u[3], calx_v8 un,
+                              calx_v8 turn, struct calx_columns *c, size_t lane)
 {
-    static const calx_v4 sign = {-1.0, -1.0, -1.0, 1.0};
-    calx_v4 row[8];
-    calx_v8 v[4];
-    for (size_t k = 0; k < 8; k++)
-        row[k] = calx_v4_load(b->v + b->stride * (size_t)c->row[0][lane + k]) +
-                 sign * calx_v4_load(b->v + b->stride * (size_t)c->row[1][lane + k]);
-    calx_rows_to_columns(row, v);
+    calx_v8 between[3];
     for (int k = 0; k < 3; k++)
-        calx_v8_store(c->velocity[k] + lane, v[k]);
-    calx_v8_store(c->inverse_mass + lane, v[3]);
-    for (int body = 0; body < 2 && b->stride == 8; body++) {
-        for (size_t k = 0; k < 8; k++)
-            row[k] = calx_v4_load(b->v + 8 * (size_t)c->row[body][lane + k] + 4);
-        calx_rows_to_columns(row, v);
+        between[k] = n[k] - turn * u[k];
+    for (size_t h = 0; h < p->history; h++) {
+        if (!p->history_is_vector[h])
+            continue;
+        calx_v8 v[3];
         for (int k = 0; k < 3; k++)
-            calx_v8_store(c->omega[body][k] + lane, v[k]);
-        calx_v8_store(c->temperature[body] + lane, v[3]);
+            v[k] = calx_v8_load(c->history[h + k] + lane);
+        calx_lanes_turn(n, between, turn * un, v);
+        for (int k = 0; k < 3; k++)
+            calx_v8_store(c->history[h + k] + lane, v[k]);
     }
 }
 
-/* Where the next row of four starts: the last one may overlap the one before. */
-static size_t next_row(size_t first, size_t stride)
+/* The bits of touch; those of lanes that do not exist are 0. */
+static inline void note_touch(const struct calx_block_view *b, struct calx_columns *c, size_t lane, unsigned now)
 {
-    return first + 8 <= stride || first + 4 >= stride ? first + 4 : stride - 4;
+    uint8_t *bits = b->s->pairs.touching + (b->first + lane) / 8;
+    c->was[lane / 8] = *bits;
+    c->is[lane / 8] = (uint8_t)now;
+    if (!b->look)
+        *bits = (uint8_t)now;
 }
 
-static void gather_history(const struct calx_sim *s, struct calx_columns *c, size_t lane)
+CALX_INLINE void gather(const struct calx_block_view *b, struct calx_columns *c, const bool wide,
+                        const bool rotation, const bool one_size)
 {
-    size_t stride = s->plan->history_stride;
-    const double *from = s->pairs.history;
-    calx_v4 row[8];
-    calx_v8 h[4];
-    for (size_t k = 0; k < 8 && stride == 1; k++)
-        c->history[0][lane + k] = from[c->source[lane + k]];
-    for (size_t first = 0; first + 4 <= stride; first = next_row(first, stride)) {
-        for (size_t k = 0; k < 8; k++)
-            row[k] = calx_v4_load_unaligned(from + stride * c->source[lane + k] + first);
-        calx_rows_to_columns(row, h);
-        for (size_t k = 0; k < 4; k++)
-            calx_v8_store(c->history[first + k] + lane, h[k]);
+    const struct calx_plan *p = b->s->plan;
+    const struct constants k = constants_of(b);
+    const bool tangent = p->needs & CALX_NEEDS_TANGENT, spin = p->needs & CALX_NEEDS_SPIN;
+    const bool curved = p->needs & CALX_NEEDS_CURVATURE || b->look;
+    for (size_t lane = 0; lane < c->n; lane += 8) {
+        const int32_t *i = b->i + lane, *j = b->j + lane;
+        calx_v8 d[4], v[8], e[4], n[3], reach, excess = {0}, ri;
+        subtract(b->x, 4, i, j, d);
+        if (one_size) {
+            reach = (calx_v8){0} + k.diameter;
+            ri = 0.5 * reach;
+        } else {
+            ri = pick(b->x, 4, i, 3);
+            excess = d[3];
+            reach = 2.0 * ri - excess;
+        }
+        if (wide)
+            combine(b->v, i, j, v);
+        else {
+            subtract(b->v, 4, i, j, v);
+            v[3] = pick(b->v, 4, i, 3) + pick(b->v, 4, j, 3);
+        }
+        if (rotation && (!one_size || spin))
+            subtract(b->v + 4, 8, i, j, e);
+
+        calx_v8 square = calx_lanes_dot(d, d), one = (calx_v8){0} + 1.0;
+        calx_v8 distance = calx_v8_sqrt(square);
+        calx_v8 inverse = 1.0 / calx_v8_positive(square, distance, one);
+        n[0] = calx_v8_positive(square, d[0] * inverse, one); /* coincident centres: any direction will do */
+        n[1] = d[1] * inverse;
+        n[2] = d[2] * inverse;
+        calx_v8 overlap = reach - distance;
+        unsigned exist = 0xff;
+        if (lane + 8 > c->n) {
+            overlap = calx_v8_first(overlap, c->n - lane);
+            exist >>= lane + 8 - c->n;
+        }
+        note_touch(b, c, lane, calx_v8_less((calx_v8){0} - k.gap, overlap) & exist);
+
+        calx_v8 un = calx_lanes_dot(n, v), u2 = calx_lanes_dot(v, v), tilt = k.lag * inverse;
+        calx_v8 vn = calx_lanes_approach(un, u2, tilt);
+        calx_v8_store(c->overlap + lane, overlap);
+        store3(c->normal, lane, n);
+        calx_v8_store(c->vn + lane, vn);
+        calx_v8_store(c->mass + lane, calx_v8_positive(v[3], 1.0 / calx_v8_positive(v[3], v[3], one), (calx_v8){0}));
+        if (wide)
+            calx_v8_store(c->warmth + lane, v[7]);
+        if (curved) {
+            calx_v8_store(c->curvature[0] + lane, 1.0 / ri);
+            calx_v8_store(c->curvature[1] + lane, 1.0 / (ri - excess));
+        }
+        if (!tangent)
+            continue;
+        calx_v8 m[3], w[3] = {{0}}, vt[3], levers = k.centred ? distance : reach;
+        if (rotation) {
+            calx_v8 half = 0.5 * (levers - k.growth * vn);
+            for (int q = 0; q < 3; q++)
+                w[q] = half * v[4 + q];
+            for (int q = 0; q < 3 && !one_size; q++)
+                w[q] += 0.5 * excess * e[q];
+            calx_v8_store(c->levers + lane, levers);
+            calx_v8_store(c->excess + lane, excess);
+            if (spin)
+                store3(c->spin, lane, e);
+        }
+        if (k.centred) {
+            calx_lanes_past_normal(n, v, un, u2, tilt, m);
+            calx_lanes_slide(m, v, w, vt);
+            calx_lanes_lay(n, vt);
+        } else {
+            calx_lanes_slide(n, v, w, vt);
+        }
+        store3(c->vt, lane, vt);
+        turn_history(p, n, v, un, k.half_step * inverse, c, lane);
     }
 }
 
-/* From the difference of centres (in normal), the sum of radii and the radii (in lever) to overlap, normal, curvatures, levers. `half` is 1/2
- * if the contact point is at the middle of the overlap, 0 if the lever is the radius. */
-static void pair_geometry(size_t n, double lag, double half, double (*restrict normal)[CALX_BATCH],
-                          const double *restrict reach, double (*restrict lever)[CALX_BATCH],
-                          double *restrict overlap, double (*restrict curvature)[CALX_BATCH],
-                          double *restrict tilt, double *restrict inverse_mass)
+/* Of both bodies, for laws that ask for them. */
+static void gather_temperatures(const struct calx_block_view *b, struct calx_columns *c)
 {
-    for (size_t c = 0; c < n; c++) {
-        double x = normal[0][c], y = normal[1][c], z = normal[2][c];
-        double d = sqrt(x * x + y * y + z * z), ri = lever[0][c], rj = lever[1][c];
-        double over = d > 0.0 ? 1.0 / d : 0.0, depth = reach[c] - d;
-        normal[0][c] = d > 0.0 ? x * over : 1.0; /* coincident centres: any direction will do */
-        normal[1][c] = y * over;
-        normal[2][c] = z * over;
-        overlap[c] = depth;
-        tilt[c] = lag * over;
-        curvature[0][c] = 1.0 / ri;
-        curvature[1][c] = 1.0 / rj;
-        lever[0][c] = ri - half * depth;
-        lever[1][c] = rj - half * depth;
-        inverse_mass[c] = inverse_mass[c] > 1e-200 ? inverse_mass[c] : 1e-200; /* both bodies fixed */
+    for (size_t lane = 0; lane < c->n; lane += 8) {
+        calx_v8_store(c->temperature[0] + lane, pick(b->v, 8, b->i + lane, 7));
+        calx_v8_store(c->temperature[1] + lane, pick(b->v, 8, b->j + lane, 7));
     }
 }
 
-/* Lanes after the last repeat the first contact's bodies with overlap 0, so that nothing in them is undefined. */
-static void pad(struct calx_columns *c, size_t padded)
+static void gather_narrow(const struct calx_block_view *b, struct calx_columns *c) { gather(b, c, false, false, false); }
+static void gather_narrow_one(const struct calx_block_view *b, struct calx_columns *c) { gather(b, c, false, false, true); }
+static void gather_wide(const struct calx_block_view *b, struct calx_columns *c) { gather(b, c, true, false, false); }
+static void gather_wide_one(const struct calx_block_view *b, struct calx_columns *c) { gather(b, c, true, false, true); }
+static void gather_spins(const struct calx_block_view *b, struct calx_columns *c) { gather(b, c, true, true, false); }
+static void gather_spins_one(const struct calx_block_view *b, struct calx_columns *c) { gather(b, c, true, true, true); }
+
+/* By: second half of the rows, rotation, one size. */
+static void (*const variants[2][2][2])(const struct calx_block_view *, struct calx_columns *) = {
+    {{gather_narrow, gather_narrow_one}, {NULL, NULL}},
+    {{gather_wide, gather_wide_one}, {gather_spins, gather_spins_one}}};
+
+/* History in place, or a copy of it for whoever only looks. */
+static void point_at_history(const struct calx_block_view *b, struct calx_columns *c)
 {
-    for (size_t lane = c->n; lane < padded; lane++) {
-        c->source[lane] = c->source[0];
-        c->row[0][lane] = c->row[0][0];
-        c->row[1][lane] = c->row[1][0];
-        c->normal[0][lane] = c->reach[lane] = 1.0;
-        c->normal[1][lane] = c->normal[2][lane] = 0.0;
+    const struct calx_sim *s = b->s;
+    for (size_t h = 0; h < s->plan->history; h++) {
+        double *stored = s->pairs.history + b->history + h * b->room;
+        c->history[h] = b->look ? c->kept[h] : stored;
+        if (b->look)
+            memcpy(c->kept[h], stored, calx_padded(c->n) * sizeof(double));
     }
 }
 
 void CALX_ISA(calx_gather_batch)(const struct calx_block_view *b, struct calx_columns *c)
 {
-    const struct calx_plan *plan = b->s->plan;
-    size_t padded = calx_padded(c->n);
-    bool centred = !plan->models->lever_full;
-    double lag = plan->motion_law && centred ? plan->motion_law->velocity_lag * b->dt : 0.0;
-    pad(c, padded);
-    for (size_t lane = 0; lane < padded; lane += 8) {
-        gather_velocities(b, c, lane);
-        gather_history(b->s, c, lane);
-    }
-    for (int body = 0; body < 2; body++)
-        for (size_t lane = 0; lane < padded; lane++)
-            c->lever[body][lane] = b->x[4 * (size_t)c->row[body][lane] + 3];
-    pair_geometry(padded, lag, centred ? 0.5 : 0.0, c->normal, c->reach, c->lever, c->overlap, c->curvature,
-                  c->tilt, c->inverse_mass);
-}
-
-/* History of what touches is kept, that of what has parted becomes 0. */
-static void forget_parted(size_t n, double gap, const double *restrict overlap, double *restrict h)
-{
-    for (size_t c = 0; c < n; c++)
-        h[c] = overlap[c] > -gap ? h[c] : 0.0;
-}
-
-static bool any_parted(size_t n, double gap, const double *overlap)
-{
-    bool any = false;
-    for (size_t c = 0; c < n; c++)
-        any |= !(overlap[c] > -gap);
-    return any;
-}
-
-void CALX_ISA(calx_gather_keep)(struct calx_sim *s, struct calx_columns *c)
-{
-    size_t columns = s->plan->history, stride = s->plan->history_stride, padded = calx_padded(c->n);
-    calx_v4 row[8];
-    calx_v8 h[4];
-    for (size_t lane = 0; lane < c->n; lane++)
-        s->pairs.touching[c->source[lane]] = c->overlap[lane] > -s->plan->gap;
-    bool parted = any_parted(c->n, s->plan->gap, c->overlap);
-    for (size_t k = 0; k < columns && parted; k++)
-        forget_parted(padded, s->plan->gap, c->overlap, c->history[k]);
-    for (size_t lane = 0; lane < c->n && stride == 1; lane++)
-        s->pairs.history[c->source[lane]] = c->history[0][lane];
-    for (size_t first = 0; first + 4 <= stride; first = next_row(first, stride))
-        for (size_t lane = 0; lane < padded; lane += 8) {
-            for (size_t k = 0; k < 4; k++)
-                h[k] = calx_v8_load(c->history[first + k] + lane);
-            calx_columns_to_rows(h, row);
-            for (size_t k = 0; k < 8 && lane + k < c->n; k++)
-                calx_v4_store_unaligned(s->pairs.history + stride * c->source[lane + k] + first, row[k]);
-        }
+    const struct calx_sim *s = b->s;
+    bool wide = s->r.stride == 8, rotation = s->plan->needs & CALX_NEEDS_ROTATION;
+    point_at_history(b, c);
+    variants[wide][rotation][s->radius_min == s->radius_max](b, c);
+    if (s->plan->needs & CALX_NEEDS_TEMPERATURE || (b->sink && s->features.temperature))
+        gather_temperatures(b, c);
 }

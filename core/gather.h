@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Private to the kernels: rows of one block to columns of one batch, and history back.
+ * Private to the kernels: pairs of one block, from rows to the columns of one batch (gather.c) and back (scatter.c), and the pairs that do
+ * not touch (apart.c).
  */
 #ifndef CALX_GATHER_H
 #define CALX_GATHER_H
@@ -15,21 +16,28 @@ struct calx_block_view {
     struct calx_tally *tally;
     const double *x, *v;
     double *a;
-    size_t stride;
     double dt, interval; /* step of motion; time over which heat of this evaluation flows */
     bool conduct;
+    bool look;           /* nothing may change */
     const struct calx_sink *sink;
     struct calx_clock *clock;
+    /* the batch under way: its pair type, its first pair, the bodies of its pairs as rows of the block, where column 0 of their history
+     * starts and how far apart columns are */
+    size_t type, first, history, room;
+    const int32_t *i, *j;
 };
 
-/* Picks touching pairs from first on until the batch is nearly full or `end` is reached; returns where to go on. */
-size_t CALX_ISA(calx_gather_select)(const struct calx_block_view *, size_t first, size_t end, double gap,
-                                    struct calx_columns *);
-
-/* Fills the columns of the picked pairs: kinematics, geometry, history. */
+/* Fills the columns of c->n pairs from `first` on: what the laws see, levers, and the bits of touch. */
 void CALX_ISA(calx_gather_batch)(const struct calx_block_view *, struct calx_columns *);
 
-/* Stores the history of what touches, forgets that of what has parted. */
-void CALX_ISA(calx_gather_keep)(struct calx_sim *, struct calx_columns *);
+/* Adds forces, couples and heat to the rows of both bodies in the order of the list; sums for the tally. */
+void CALX_ISA(calx_scatter_batch)(const struct calx_block_view *, struct calx_columns *);
+
+/* Moves pairs of a group that have come into reach among those that are evaluated. */
+void CALX_ISA(calx_apart_admit)(const struct calx_block_view *, struct calx_group *);
+
+/* Sorts out which pairs may touch while bodies approach by less than `inner`, the others being `soon` out of question; pairs that
+ * have parted by more leave the evaluated ones. Returns whether the group then has room for all that may come. */
+bool CALX_ISA(calx_apart_sift)(const struct calx_block_view *, struct calx_group *, double inner);
 
 #endif

@@ -9,7 +9,6 @@
 
 #include "core/state.h"
 
-static const double OVERLAP_BOUND = 0.5;      /* of the smaller radius */
 static const double DISPLACEMENT_BOUND = 0.5; /* of the smallest radius, per step */
 static const double ENERGY_BOUND = 0.5;       /* of the largest energy that took part */
 
@@ -115,7 +114,7 @@ int calx_guard_step(struct calx_sim *s, struct calx_error *e)
     if (!s->plan->motion)
         return 0;
     for (size_t b = 0; b < s->block_count; b++)
-        if (s->tallies[b].overlap > OVERLAP_BOUND)
+        if (s->tallies[b].overlap > CALX_OVERLAP_BOUND)
             return too_deep(s, &s->tallies[b], e);
     if (s->speed * s->plan->dt > DISPLACEMENT_BOUND * s->radius_min && s->features.contacts)
         return too_fast(s, e);

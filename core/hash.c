@@ -33,9 +33,9 @@ static uint64_t hash_particle(const struct calx_sim *s, int32_t row)
 }
 
 /* Vectors are stored as acting on i; the hash takes them as acting on the body of lower id. */
-static uint64_t hash_pair(const struct calx_sim *s, const struct calx_row_block *b, size_t k)
+static uint64_t hash_pair(const struct calx_sim *s, const struct calx_row_block *b, const struct calx_group *g, size_t k)
 {
-    int32_t row[2] = {b->first + s->pairs.i[k], b->first + s->pairs.j[k]};
+    int32_t row[2] = {b->first + s->pairs.i[g->first + k], b->first + s->pairs.j[g->first + k]};
     int64_t id[2];
     for (int q = 0; q < 2; q++)
         id[q] = s->r.id[row[q] - b->first >= b->own ? s->r.source[row[q]] : row[q]];
@@ -45,7 +45,7 @@ static uint64_t hash_pair(const struct calx_sim *s, const struct calx_row_block 
     for (size_t c = 0; c < s->plan->history; c++) {
         bool vector = s->plan->history_is_vector[c] || (c > 0 && s->plan->history_is_vector[c - 1]) ||
                       (c > 1 && s->plan->history_is_vector[c - 2]);
-        double v = s->pairs.history[s->plan->history_stride * k + c] * (vector ? sign : 1.0) + 0.0;
+        double v = calx_group_history(s, g, c)[k] * (vector ? sign : 1.0) + 0.0;
         h = feed(h, &v, sizeof v);
     }
     return mix(h);
@@ -67,9 +67,9 @@ uint64_t calx_sim_hash(const struct calx_sim *s)
         for (int32_t row = block->first; row < block->first + block->own; row++)
             h += hash_particle(s, row);
         for (size_t g = block->group_first; g < block->group_first + block->group_count; g++)
-            for (size_t k = s->groups[g].first; k < s->groups[g].first + s->groups[g].count; k++)
-                if (s->pairs.touching[k])
-                    h += hash_pair(s, block, k);
+            for (size_t k = 0; k < s->groups[g].count; k++)
+                if (calx_pair_touches(s, s->groups[g].first + k))
+                    h += hash_pair(s, block, &s->groups[g], k);
         for (size_t k = 0; k < block->wall_count; k++)
             h += hash_wall_contact(s, block->near_first + k);
     }

@@ -21,15 +21,16 @@ static void each_kept(const struct calx_rebuild *r, bool fill)
     const struct calx_sim *s = r->sim;
     for (size_t b = 0; b < s->block_count; b++)
         for (size_t g = 0; g < s->blocks[b].group_count; g++) {
-            const struct calx_group *group = &s->groups[s->blocks[b].group_first + g];
-            for (size_t k = group->first; k < group->first + group->count; k++) {
-                if (!s->pairs.touching[k])
+            size_t number = s->blocks[b].group_first + g;
+            const struct calx_group *group = &s->groups[number];
+            for (size_t k = 0; k < group->count; k++) {
+                if (!calx_pair_touches(s, group->first + k))
                     continue;
-                int32_t i = place_of(r, &s->blocks[b], s->pairs.i[k]);
-                int32_t j = place_of(r, &s->blocks[b], s->pairs.j[k]);
+                int32_t i = place_of(r, &s->blocks[b], s->pairs.i[group->first + k]);
+                int32_t j = place_of(r, &s->blocks[b], s->pairs.j[group->first + k]);
                 int32_t earlier = i < j ? i : j, later = i < j ? j : i;
                 if (fill)
-                    r->kept[r->kept_first[earlier + 1]++] = (struct calx_kept){later, i, k};
+                    r->kept[r->kept_first[earlier + 1]++] = (struct calx_kept){later, i, number, k};
                 else
                     r->kept_first[earlier + 2]++;
             }
@@ -66,30 +67,33 @@ static int32_t new_place(const struct calx_rebuild *r, size_t block, int32_t loc
     return local < own ? (int32_t)(block * CALX_BLOCK) + local : r->local[block].ghost[local - own];
 }
 
-/* Copies the columns; a vector, three columns, changes sign with the orientation. */
-static void copy_history(const struct calx_sim *s, const double *from, double *to, double sign)
+/* Copies the columns of one pair; a vector, three columns, changes sign with the orientation. */
+static void copy_history(const struct calx_rebuild *r, const struct calx_kept *kept, const struct calx_group *group,
+                         size_t place, double sign)
 {
-    size_t columns = s->plan->history;
-    for (size_t h = 0; h < columns; h++)
-        to[h] = from[h];
-    for (size_t h = 0; h < columns; h++)
-        if (s->plan->history_is_vector[h])
-            for (size_t k = h; k < h + 3; k++)
-                to[k] *= sign;
+    const struct calx_sim *s = r->sim;
+    size_t columns = s->plan->history, vector = 0; /* columns left of the vector under way */
+    double *to = r->pairs.history + columns * group->first + place;
+    for (size_t h = 0; h < columns; h++) {
+        vector = s->plan->history_is_vector[h] ? 3 : vector;
+        to[h * group->room] = (vector ? sign : 1.0) * calx_group_history(s, &s->groups[kept->group], h)[kept->place];
+        vector -= vector > 0;
+    }
 }
 
 void calx_keep_apply(const struct calx_rebuild *r, size_t block)
 {
-    size_t first = r->groups[r->new_blocks[block].group_first].first;
-    size_t stride = r->sim->plan->history_stride;
-    for (size_t k = first; k < first + r->local[block].pairs; k++) {
-        int32_t i = new_place(r, block, r->pairs.i[k]), j = new_place(r, block, r->pairs.j[k]);
-        const struct calx_kept *kept = find_kept(r, i < j ? i : j, i < j ? j : i);
-        if (!kept)
-            continue;
-        r->pairs.touching[k] = 1;
-        if (stride)
-            copy_history(r->sim, r->sim->pairs.history + stride * kept->pair,
-                         r->pairs.history + stride * k, kept->i == i ? 1.0 : -1.0);
+    const struct calx_row_block *b = &r->new_blocks[block];
+    for (size_t g = b->group_first; g < b->group_first + b->group_count; g++) {
+        const struct calx_group *group = &r->groups[g];
+        for (size_t k = 0; k < group->count; k++) {
+            size_t place = group->first + k;
+            int32_t i = new_place(r, block, r->pairs.i[place]), j = new_place(r, block, r->pairs.j[place]);
+            const struct calx_kept *kept = find_kept(r, i < j ? i : j, i < j ? j : i);
+            if (!kept)
+                continue;
+            r->pairs.touching[place / 8] |= (uint8_t)(1u << place % 8);
+            copy_history(r, kept, group, k, kept->i == i ? 1.0 : -1.0);
+        }
     }
 }

@@ -88,21 +88,22 @@ static bool both_fixed(const struct calx_rebuild *r, const struct calx_found *f)
 
 struct raw_pair {
     int32_t i, j, type;
-    bool near; /* does not touch yet */
+    enum calx_nearness nearness;
 };
 
-/* Whether the pair is apart, so that the list can hold those that touch first: their history then lies together. */
-static bool is_apart(const struct calx_rebuild *r, const struct calx_found *f)
+static enum calx_nearness nearness_of(const struct calx_rebuild *r, const struct calx_found *f)
 {
+    const struct calx_sim *s = r->sim;
     static const int weight[3] = {1, 3, 9};
     const double *a = r->x + 4 * (size_t)f->i, *b = r->x + 4 * (size_t)f->j;
-    double d2 = 0.0, reach = (a[3] + b[3]) * 1.0001;
+    double d2 = 0.0, reach = a[3] + b[3] + s->plan->gap, close = reach + CALX_CLOSE_SHARE * s->skin,
+           soon = reach + CALX_INNER_SHARE * s->skin;
     for (int k = 0; k < 3; k++) {
         int turns = f->shift / weight[k] % 3 - 1;
-        double d = a[k] - b[k] - turns * (r->sim->scene->high[k] - r->sim->scene->low[k]);
+        double d = a[k] - b[k] - turns * (s->scene->high[k] - s->scene->low[k]);
         d2 += d * d;
     }
-    return d2 > reach * reach;
+    return d2 < close * close ? CALX_CLOSE : d2 < soon * soon ? CALX_SOON : CALX_LATER;
 }
 
 /* Resolves rows and orientation; returns the number of pairs that count. */
@@ -122,10 +123,9 @@ static size_t resolve(const struct calx_rebuild *r, size_t block, struct ghost_t
             j = (int32_t)own + ghost_slot(t, l, f->j, f->shift);
         int32_t mi = material[r->old_row[f->i]], mj = material[r->old_row[f->j]];
         int32_t type = (int32_t)calx_plan_pair_type(r->sim->scene->material_count, (size_t)mi, (size_t)mj);
-        bool apart = is_apart(r, f);
-        raw[count++] = mi <= mj ? (struct raw_pair){i, j, type, apart} : (struct raw_pair){j, i, type, apart};
-        l->type_count[type]++;
-        l->touching_count[type] += !apart;
+        enum calx_nearness nearness = nearness_of(r, f);
+        raw[count++] = mi <= mj ? (struct raw_pair){i, j, type, nearness} : (struct raw_pair){j, i, type, nearness};
+        l->type_count[type][nearness]++;
     }
     return count;
 }
@@ -134,13 +134,13 @@ static void group_by_type(const struct calx_rebuild *r, const struct raw_pair *r
                           struct calx_local *l, size_t *at)
 {
     size_t sum = 0;
-    for (size_t t = 0; t < r->types; t++) {
-        at[2 * t] = sum;
-        at[2 * t + 1] = sum + l->touching_count[t];
-        sum += l->type_count[t];
-    }
+    for (size_t t = 0; t < r->types; t++)
+        for (size_t q = 0; q < CALX_NEARNESSES; q++) {
+            at[CALX_NEARNESSES * t + q] = sum;
+            sum += l->type_count[t][q];
+        }
     for (size_t k = 0; k < count; k++) {
-        size_t to = at[2 * raw[k].type + raw[k].near]++;
+        size_t to = at[CALX_NEARNESSES * (size_t)raw[k].type + raw[k].nearness]++;
         l->i[to] = raw[k].i;
         l->j[to] = raw[k].j;
     }
@@ -153,15 +153,14 @@ static int localise_block(const struct calx_rebuild *r, size_t block)
     size_t count = r->found[block].count + 1;
     struct ghost_table t = {0};
     struct raw_pair *raw = malloc(count * sizeof *raw);
-    size_t *at = calloc(2 * r->types, sizeof *at);
+    size_t *at = calloc(CALX_NEARNESSES * r->types, sizeof *at);
     l->i = malloc(count * sizeof *l->i);
     l->j = malloc(count * sizeof *l->j);
     l->ghost = malloc(count * sizeof *l->ghost);
     l->ghost_shift = malloc(count);
     l->type_count = calloc(r->types, sizeof *l->type_count);
-    l->touching_count = calloc(r->types, sizeof *l->touching_count);
     int failed = !raw || !at || !l->i || !l->j || !l->ghost || !l->ghost_shift || !l->type_count ||
-                 !l->touching_count || table_create(&t, count);
+                 table_create(&t, count);
     if (!failed)
         group_by_type(r, raw, resolve(r, block, &t, l, raw), l, at);
     size_t first = block * CALX_BLOCK;

@@ -86,10 +86,27 @@ static int find_pairs(struct calx_rebuild *r)
     return calx_pairs_find(&in, r->found) || calx_localise(r);
 }
 
+/* Makes the group of one pair type in the block under way; the first type has one always, for the place where its block's pairs begin. */
+static void number_group(struct calx_rebuild *r, const size_t count[CALX_NEARNESSES], size_t type)
+{
+    size_t total = count[CALX_CLOSE] + count[CALX_SOON] + count[CALX_LATER];
+    size_t later = r->sim->roomy ? count[CALX_LATER] : count[CALX_LATER] / 4 + 4;
+    size_t room = total ? calx_padded(count[CALX_CLOSE] + count[CALX_SOON] + later) : 0;
+    if (!total && type)
+        return;
+    r->groups[r->group_count++] = (struct calx_group){
+        .first = r->pairs.places, .room = room, .count = count[CALX_CLOSE], .apart_first = r->pairs.apart,
+        .apart_count = total - count[CALX_CLOSE], .type = (int32_t)type};
+    r->pairs.places += room;
+    r->pairs.apart += total; /* any of them may part */
+    r->pairs.reach += total;
+}
+
 /* Numbers the rows, pairs and groups of all blocks. Returns the rows. */
 static size_t number_blocks(struct calx_rebuild *r)
 {
-    size_t rows = 0, pairs = 0;
+    static const size_t none[CALX_NEARNESSES];
+    size_t rows = 0;
     for (size_t b = 0; b < r->blocks; b++) {
         struct calx_row_block *block = &r->new_blocks[b];
         const struct calx_local *l = &r->local[b];
@@ -98,27 +115,31 @@ static size_t number_blocks(struct calx_rebuild *r)
         block->ghosts = (int32_t)l->ghosts;
         block->group_first = r->group_count;
         rows += (size_t)block->own + l->ghosts;
-        for (size_t t = 0; t < r->types; t++) {
-            size_t count = l->type_count ? l->type_count[t] : 0;
-            if (count || t == 0)
-                r->groups[r->group_count++] = (struct calx_group){
-                    pairs, count, l->touching_count ? l->touching_count[t] : 0, (int32_t)t};
-            pairs += count;
-        }
+        for (size_t t = 0; t < r->types; t++)
+            number_group(r, l->type_count ? l->type_count[t] : none, t);
         block->group_count = r->group_count - block->group_first;
     }
-    r->pairs.count = pairs;
     return rows;
 }
 
 static int allocate_pairs(struct calx_rebuild *r)
 {
-    size_t n = r->pairs.count;
-    r->pairs.i = calx_memory_zeroed(n, sizeof *r->pairs.i);
-    r->pairs.j = calx_memory_zeroed(n, sizeof *r->pairs.j);
-    r->pairs.touching = calx_memory_zeroed(n, 1);
-    r->pairs.history = calx_memory_zeroed(n * r->sim->plan->history_stride, sizeof(double));
-    return !r->pairs.i || !r->pairs.j || !r->pairs.touching || !r->pairs.history;
+    struct calx_pairs *p = &r->pairs;
+    p->i = calx_memory_zeroed(p->places, sizeof *p->i);
+    p->j = calx_memory_zeroed(p->places, sizeof *p->j);
+    p->touching = calx_memory_zeroed(p->places / 8, 1);
+    p->history = calx_memory_zeroed(p->places * r->sim->plan->history, sizeof(double));
+    p->apart_i = calx_memory_zeroed(p->apart, sizeof *p->apart_i);
+    p->apart_j = calx_memory_zeroed(p->apart, sizeof *p->apart_j);
+    return !p->i || !p->j || !p->touching || !p->history || !p->apart_i || !p->apart_j;
+}
+
+static void copy_pairs(int32_t *i, int32_t *j, const struct calx_local *l, size_t from, size_t count)
+{
+    if (!count)
+        return;
+    memcpy(i, l->i + from, count * sizeof *i);
+    memcpy(j, l->j + from, count * sizeof *j);
 }
 
 /* Copies the rows, names the ghosts' sources and the pairs of one block. */
@@ -136,12 +157,15 @@ static void lay_block(struct calx_rebuild *r, size_t b)
         if (r->rows.shift)
             r->rows.shift[row] = l->ghost_shift[g];
     }
-    if (l->pairs) {
-        size_t at = r->groups[block->group_first].first;
-        memcpy(r->pairs.i + at, l->i, l->pairs * sizeof *l->i);
-        memcpy(r->pairs.j + at, l->j, l->pairs * sizeof *l->j);
-        calx_keep_apply(r, b);
+    for (size_t g = block->group_first, at = 0; g < block->group_first + block->group_count; g++) {
+        const struct calx_group *group = &r->groups[g];
+        copy_pairs(r->pairs.i + group->first, r->pairs.j + group->first, l, at, group->count);
+        at += group->count;
+        copy_pairs(r->pairs.apart_i + group->apart_first, r->pairs.apart_j + group->apart_first, l, at,
+                   group->apart_count);
+        at += group->apart_count;
     }
+    calx_keep_apply(r, b);
 }
 
 static int lay_out(struct calx_rebuild *r)
@@ -235,12 +259,12 @@ static void clear(struct calx_rebuild *r, size_t lists)
             free(r->local[b].ghost);
             free(r->local[b].ghost_shift);
             free(r->local[b].type_count);
-            free(r->local[b].touching_count);
         }
     }
     calx_rows_free(&r->rows);
     void *all[] = {r->old_row, r->new_place, r->x, r->found, r->local, r->kept_first, r->kept,
-                   r->pairs.i, r->pairs.j, r->pairs.touching, r->pairs.history, r->new_blocks, r->groups};
+                   r->pairs.i, r->pairs.j, r->pairs.touching, r->pairs.history, r->pairs.apart_i, r->pairs.apart_j,
+                   r->new_blocks, r->groups};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         free(all[k]);
 }
@@ -264,7 +288,7 @@ static int resize_network(struct calx_sim *s)
 {
     if (!s->features.heat_network)
         return 0;
-    s->edge_capacity = s->pairs.count;
+    s->edge_capacity = s->pairs.places;
     s->boundary_capacity = s->near_count;
     void **all[] = {(void **)&s->edge_i, (void **)&s->edge_j, (void **)&s->edge_h,
                     (void **)&s->boundary_i, (void **)&s->boundary_h, (void **)&s->boundary_t};

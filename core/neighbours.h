@@ -8,11 +8,14 @@
 #include "core/pairs.h"
 #include "core/state.h"
 
+/* How near the bodies of a pair are when the list is built: they touch or nearly, may touch soon, or later. */
+enum calx_nearness { CALX_CLOSE, CALX_SOON, CALX_LATER, CALX_NEARNESSES };
+
 /* A block's pairs with rows local to the block, and the ghosts they need. */
 struct calx_local {
     size_t pairs, ghosts, ghost_capacity;
     int32_t *i, *j;
-    size_t *type_count, *touching_count; /* per pair type */
+    size_t (*type_count)[CALX_NEARNESSES]; /* per pair type and nearness, the order of the pairs */
     int32_t *ghost;      /* place in the order, of each ghost */
     uint8_t *ghost_shift;
 };
@@ -27,7 +30,7 @@ struct calx_rebuild {
     struct calx_local *local;
     /* history to keep, by the new place of the earlier particle */
     size_t *kept_first;
-    struct calx_kept { int32_t later, i; size_t pair; } *kept; /* i: new place of the old i */
+    struct calx_kept { int32_t later, i; size_t group, place; } *kept; /* i: new place of the old i; place in the group */
     /* what comes out */
     struct calx_rows_arrays rows;
     struct calx_pairs pairs;

@@ -251,7 +251,6 @@ static int join_needs(struct calx_plan *p, struct calx_error *e)
         p->needs |= law->demand.needs;
         p->gap = fmax(p->gap, law->demand.gap);
     }
-    p->history_stride = p->history == 2 || p->history == 3 ? 4 : p->history;
     if (p->needs & CALX_NEEDS_SPIN)
         p->needs |= CALX_NEEDS_ROTATION;
     if (p->needs & CALX_NEEDS_ROTATION)

@@ -21,7 +21,7 @@
 #include <stdint.h>
 
 #define CALX_PLUGIN_MAGIC 0x786c6163u /* "calx" */
-#define CALX_PLUGIN_ABI 1u
+#define CALX_PLUGIN_ABI 2u
 #define CALX_PLUGIN_SYMBOL "calx_plugin"
 
 /* Columns of a batch hold a whole number of groups of CALX_WIDTH doubles and are aligned to 64 bytes. */
@@ -93,7 +93,8 @@ enum calx_need {
     CALX_NEEDS_ROTATION = 2,     /* bodies spin; vt is that of the contact point */
     CALX_NEEDS_TEMPERATURE = 4,  /* temperature_i, temperature_j */
     CALX_NEEDS_NORMAL_FORCE = 8, /* fn is that of the laws before */
-    CALX_NEEDS_SPIN = 16         /* spin: relative angular velocity, and torque */
+    CALX_NEEDS_SPIN = 16,        /* spin: relative angular velocity, and torque */
+    CALX_NEEDS_CURVATURE = 32    /* curvature of both bodies */
 };
 
 /* Filled from the descriptor before prepare; prepare may change it to what these parameter values need. */
@@ -120,7 +121,7 @@ struct calx_contacts {
     const double *vn;           /* m/s, > 0 separating */
     const double *vt[3];        /* m/s, tangential velocity of i relative to j at the contact point */
     const double *spin[3];      /* rad/s, omega_i - omega_j */
-    const double *inverse_mass; /* 1/kg, 1/m_i + 1/m_j: the inverse effective mass; a wall adds 0 */
+    const double *mass;         /* kg, effective mass 1/(1/m_i + 1/m_j), that of i at a wall; 0 if both bodies are held */
     const double *curvature[2]; /* 1/m, 1/R_i and 1/R_j; 0 for a wall */
     const double *temperature[2]; /* K */
     const double *coulomb; /* N, the force whose size limits friction: fn without cohesion */

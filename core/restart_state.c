@@ -11,11 +11,11 @@
 
 /* The numbers that are not arrays. */
 struct scalars {
-    double time, stage_start, dt_now, held, speed, skin, drift, wall_drift, gravity[3];
+    double time, stage_start, dt_now, held, speed, skin, drift, sifted, wall_drift, gravity[3];
     int64_t step, stage_step, rebuilds, built_step;
     int32_t stage, models;
     uint8_t done, stage_began, built;
-    uint64_t n, rows, pair_count, block_count, group_count, near_count, edge_capacity, boundary_capacity,
+    uint64_t n, rows, places, apart, reach, block_count, group_count, near_count, edge_capacity, boundary_capacity,
         collect_count;
     long double dissipated, wall_work, outside_work, wall_heat, dissipation_heat, energy0, heat0;
     double wall_power, potential0, scale, heat_scale;
@@ -26,7 +26,7 @@ struct scalars {
         (to)->time = (from)->time, (to)->stage_start = (from)->stage_start;                        \
         (to)->held = (from)->held;                                                                 \
         (to)->dt_now = (from)->dt_now, (to)->speed = (from)->speed, (to)->skin = (from)->skin;     \
-        (to)->drift = (from)->drift, (to)->wall_drift = (from)->wall_drift;                        \
+        (to)->drift = (from)->drift, (to)->sifted = (from)->sifted, (to)->wall_drift = (from)->wall_drift;                        \
         memcpy((to)->gravity, (from)->gravity, sizeof (to)->gravity);                              \
         (to)->step = (from)->step, (to)->stage_step = (from)->stage_step;                          \
         (to)->built_step = (from)->built_step;                                                     \
@@ -97,10 +97,12 @@ static void list_contacts(struct calx_sim *s, const struct scalars *n, size_t co
     add(l, "blocks", &s->blocks, n->block_count * sizeof *s->blocks);
     add(l, "groups", &s->groups, n->group_count * sizeof *s->groups);
     add(l, "tallies", &s->tallies, n->block_count * sizeof *s->tallies);
-    add(l, "pair_i", &s->pairs.i, n->pair_count * sizeof *s->pairs.i);
-    add(l, "pair_j", &s->pairs.j, n->pair_count * sizeof *s->pairs.j);
-    add(l, "touching", &s->pairs.touching, n->pair_count);
-    add(l, "history", &s->pairs.history, n->pair_count * s->plan->history_stride * sizeof(double));
+    add(l, "pair_i", &s->pairs.i, n->places * sizeof *s->pairs.i);
+    add(l, "pair_j", &s->pairs.j, n->places * sizeof *s->pairs.j);
+    add(l, "touching", &s->pairs.touching, n->places / 8);
+    add(l, "history", &s->pairs.history, n->places * s->plan->history * sizeof(double));
+    add(l, "apart_i", &s->pairs.apart_i, n->apart * sizeof *s->pairs.apart_i);
+    add(l, "apart_j", &s->pairs.apart_j, n->apart * sizeof *s->pairs.apart_j);
     add(l, "collect_to", &s->collect_to, n->collect_count * sizeof *s->collect_to);
     add(l, "collect_from", &s->collect_from, n->collect_count * sizeof *s->collect_from);
     if (!s->features.wall_contacts)
@@ -165,7 +167,9 @@ int calx_sim_save(struct calx_sim *s, struct calx_block **blocks, size_t *count,
     COPY_SCALARS(n, s);
     n->models = (int32_t)(s->plan - s->plans);
     n->rows = s->r.rows;
-    n->pair_count = s->pairs.count;
+    n->places = s->pairs.places;
+    n->apart = s->pairs.apart;
+    n->reach = s->pairs.reach;
     n->collect_count = s->r.rows - s->n;
     list_all(s, n, s->plan->history, &list);
     *count = list.count + 1;
@@ -215,7 +219,9 @@ int calx_sim_restore(struct calx_sim *s, const struct calx_block *blocks, size_t
     if (count != list.count + 1)
         return misfit("what the models keep", e);
     COPY_SCALARS(s, &n);
-    s->pairs.count = n.pair_count;
+    s->pairs.places = n.places;
+    s->pairs.apart = n.apart;
+    s->pairs.reach = n.reach;
     for (size_t k = 0; k < list.count; k++) {
         const struct calx_block *b = &blocks[k + 1];
         if (strncmp(b->name, list.items[k].name, sizeof b->name) || b->bytes != list.items[k].bytes)

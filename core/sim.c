@@ -90,7 +90,7 @@ void calx_sim_free(struct calx_sim *s)
     free_threads(s);
     for (size_t p = 0; s->classes && p < s->scene->probe_count; p++)
         free(s->classes[p]);
-    void *all[] = {s->pairs.i, s->pairs.j, s->pairs.touching, s->pairs.history, s->blocks, s->groups,
+    void *all[] = {s->pairs.i, s->pairs.j, s->pairs.touching, s->pairs.history, s->pairs.apart_i, s->pairs.apart_j, s->blocks, s->groups,
                    s->collect_to, s->collect_from, s->tallies, s->posed, s->poses, s->stage_poses,
                    s->wall_angle, s->wall_shift, s->wall_temperature, s->near_row, s->near_primitive,
                    s->wall_contacts, s->wall_contacts_next, s->wall_history, s->wall_history_next,
@@ -180,7 +180,7 @@ struct calx_features calx_sim_features(const struct calx_sim *s)
     size_t count = calx_rows_arrays_list(s, &rows, views), per_row = 0;
     for (size_t k = 0; k < count; k++)
         per_row += views[k].bytes;
-    f.bytes = s->r.rows * per_row + s->pairs.count * (9 + 8 * s->plan->history_stride) +
+    f.bytes = s->r.rows * per_row + s->pairs.places * (8 + 8 * s->plan->history) + s->pairs.places / 8 + s->pairs.apart * 8 +
               s->near_count * (24 + 16 * s->plan->history) + (s->r.rows - s->n) * 8 +
               s->primitive_count * sizeof(struct calx_posed) + network_bytes(s) +
               s->block_count * (sizeof(struct calx_row_block) + sizeof(struct calx_tally));

@@ -56,7 +56,7 @@ void calx_skin_tune(struct calx_sim *s)
     if (!s->skin_tuned || !s->built || life < 1 || !(used > 0.0))
         return;
     for (double width = s->skin_least; width <= s->skin_most; width *= LADDER) {
-        double pairs = (double)s->pairs.count * pow((reach + width) / (reach + s->skin), s->scene->dimension);
+        double pairs = (double)s->pairs.reach * pow((reach + width) / (reach + s->skin), s->scene->dimension);
         double work = pairs + REBUILD * (double)s->n * used / width;
         best = work < least ? width : best;
         least = work < least ? work : least;

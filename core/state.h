@@ -22,6 +22,12 @@ enum {
     CALX_SELDOM = 256        /* steps between the dearer guards */
 };
 
+/* Of the skin: a pair with a smaller gap counts as close when the list is built, or as one that may touch soon until bodies may have
+ * approached by that much. */
+#define CALX_CLOSE_SHARE 0.02
+#define CALX_INNER_SHARE 0.125
+#define CALX_OVERLAP_BOUND 0.5 /* of the smaller radius: beyond it a run stops */
+
 /* ---- plan --------------------------------------------------------------------------------------------- */
 
 struct calx_law {
@@ -49,7 +55,6 @@ struct calx_plan {
     void *heat_params;
     uint32_t needs;           /* union of enum calx_need */
     size_t history;           /* columns */
-    size_t history_stride;    /* doubles per pair: the columns, and at least a row of four if more than one */
     uint8_t history_is_vector[CALX_HISTORY_MAX]; /* 1 at the first column of a vector */
     double gap;
     double dt;
@@ -63,8 +68,11 @@ struct calx_plan {
 
 /* ---- state -------------------------------------------------------------------------------------------- */
 
-struct calx_group {      /* pairs of one block and one pair type */
-    size_t first, count, close; /* close: those that touched when the list was built, which come first */
+/* Pairs of one block and one pair type, all within reach until the next rebuild. Those that touch, or nearly, are evaluated; the others are
+ * apart, the first `soon` of them to be looked at in every step. */
+struct calx_group {
+    size_t first, room, count; /* evaluated: places first..first+count of first..first+room; both multiples of 8 */
+    size_t apart_first, apart_count, soon;
     int32_t type;
 };
 
@@ -123,10 +131,12 @@ struct calx_rows_arrays {
 };
 
 struct calx_pairs {
-    size_t count;
-    int32_t *i, *j;      /* rows within the block */
-    uint8_t *touching;   /* at the last evaluation */
-    double *history;     /* history_stride doubles per pair */
+    size_t reach;                /* pairs in reach: evaluated and apart */
+    size_t places, apart;        /* room for them in all groups */
+    int32_t *i, *j;              /* of evaluated pairs: rows within the block; places beyond count hold 0, 0 */
+    uint8_t *touching;           /* at the last evaluation: a bit per place */
+    double *history;             /* see calx_group_history() */
+    int32_t *apart_i, *apart_j;
 };
 
 struct calx_sim {
@@ -161,6 +171,8 @@ struct calx_sim {
     struct calx_tally *tallies;
     double speed;              /* m/s, the largest of the last step */
     double skin, drift;        /* m: skin, displacement since the list was built (upper bound) */
+    double sifted;             /* m: the drift when pairs that are apart were last sorted out */
+    bool roomy;                /* the lists that are being built get room for every pair in reach */
     double wall_drift, wall_step; /* m: wall_step: the farthest that a wall came in the last step, */
     int wall_fastest;             /* and which */
     bool skin_tuned;           /* the case does not fix it */
@@ -224,6 +236,8 @@ struct calx_sink {
 
 struct calx_engine {
     void (*block_forces)(struct calx_sim *, size_t block, double dt, bool conduct);
+    /* Sorts out which pairs may touch before bodies have approached by `inner` (m); false if a group has no room for them. */
+    bool (*block_sift)(struct calx_sim *, size_t block, double inner);
     void (*block_energy)(struct calx_sim *, size_t block, double *energy);
     /* The stage's kernels before the evaluation; returns the square of the largest speed. */
     double (*block_before)(struct calx_sim *, size_t block, size_t stage);
@@ -304,5 +318,15 @@ int64_t calx_row_id(const struct calx_sim *, int32_t row);
 static inline double *calx_row_x(const struct calx_sim *s, int32_t row) { return s->r.x + 4 * (size_t)row; }
 static inline double *calx_row_v(const struct calx_sim *s, int32_t row) { return s->r.v + s->r.stride * (size_t)row; }
 static inline double *calx_row_a(const struct calx_sim *s, int32_t row) { return s->r.a + s->r.stride * (size_t)row; }
+
+/* History column h of a group: one number per place. */
+static inline double *calx_group_history(const struct calx_sim *s, const struct calx_group *g, size_t h)
+{
+    return s->pairs.history + s->plan->history * g->first + h * g->room;
+}
+static inline bool calx_pair_touches(const struct calx_sim *s, size_t place)
+{
+    return s->pairs.touching[place / 8] >> place % 8 & 1;
+}
 
 #endif

@@ -57,11 +57,44 @@ static void sweep(struct calx_sim *s, double dt, bool conduct, int stage, bool a
     sweep_part(s, dt, conduct, stage, ahead, (size_t)omp_get_thread_num(), (size_t)omp_get_num_threads());
 }
 
+/* Sorts out which of the pairs that are apart may touch soon; false if they find no room. */
+static bool sift(struct calx_sim *s)
+{
+    bool room = true;
+    double inner = CALX_INNER_SHARE * s->skin;
+    s->sifted = s->drift;
+    if (s->team <= 1) {
+        for (size_t b = 0; b < s->block_count; b++)
+            room &= s->engine->block_sift(s, b, inner);
+        return room;
+    }
+#pragma omp parallel for schedule(static) num_threads(s->team) reduction(&& : room)
+    for (size_t b = 0; b < s->block_count; b++)
+        room = s->engine->block_sift(s, b, inner) && room;
+    return room;
+}
+
+/* The neighbour list and, within it, the list of what may touch soon. A list whose room for pairs that come to touch is used up is built
+ * again; the next ones then have room for all. */
+static int keep_lists(struct calx_sim *s, struct calx_error *e)
+{
+    bool built = calx_neighbours_stale(s);
+    if (built)
+        CALX_TRY(calx_neighbours_build(s, e));
+    if (!s->features.search || (!built && 2.0 * (s->drift - s->sifted) <= CALX_INNER_SHARE * s->skin))
+        return 0;
+    for (; !sift(s); built = true) {
+        s->roomy = built;
+        CALX_TRY(calx_neighbours_build(s, e));
+        s->roomy = false;
+    }
+    return 0;
+}
+
 int calx_step_forces(struct calx_sim *s, double dt, bool conduct, int stage, bool ahead,
                      struct calx_error *e)
 {
-    if (calx_neighbours_stale(s))
-        CALX_TRY(calx_neighbours_build(s, e));
+    CALX_TRY(keep_lists(s, e));
     sweep(s, dt, conduct, stage, ahead);
     if (s->features.wall_contacts)
         swap_wall_contacts(s);
@@ -186,11 +219,11 @@ static int change_models(struct calx_sim *s, const struct calx_plan *plan, struc
 {
     double before = calx_ledger_mechanical(s);
     s->plan = plan;
-    memset(s->pairs.touching, 0, s->pairs.count);
+    memset(s->pairs.touching, 0, s->pairs.places / 8);
     for (size_t b = 0; b < s->block_count; b++)
         s->blocks[b].wall_count = 0;
     free(s->pairs.history);
-    s->pairs.history = calx_memory_zeroed(s->pairs.count * plan->history_stride, sizeof(double));
+    s->pairs.history = calx_memory_zeroed(s->pairs.places * plan->history, sizeof(double));
     s->built = false;
     if (!s->pairs.history)
         return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for contact history");

@@ -38,7 +38,7 @@ struct calx_timing calx_sim_timing(const struct calx_sim *s)
 {
     const struct calx_timing_from *from = &s->timing_from;
     struct calx_timing t = {.steps = s->step - from->step, .rebuilds = s->rebuilds - from->rebuilds,
-                            .pairs = s->pairs.count, .contacts = calx_sim_contact_count(s),
+                            .pairs = s->pairs.reach, .contacts = calx_sim_contact_count(s),
                             .bytes = calx_sim_features(s).bytes, .skin = s->skin, .threads = s->threads};
     double ticks = (double)(calx_timing_now() - from->tick);
     double length = ticks > 0.0 ? (monotonic() - from->seconds) / ticks : 0.0;

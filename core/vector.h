@@ -7,14 +7,16 @@
 #ifndef CALX_VECTOR_H
 #define CALX_VECTOR_H
 
+#include <math.h>
 #include <stdint.h>
 #include <string.h>
-#if defined(__AVX512F__)
+#if defined(__x86_64__)
 #include <immintrin.h>
 #endif
 
 typedef double calx_v4 __attribute__((vector_size(32)));
 typedef double calx_v8 __attribute__((vector_size(64)));
+typedef int64_t calx_bits8 __attribute__((vector_size(64)));
 
 static inline calx_v4 calx_v4_load(const double *p)
 {
@@ -101,6 +103,70 @@ static inline void calx_columns_to_rows(const calx_v8 column[4], calx_v4 r[8])
     r[7] = __builtin_shufflevector(t, t, 4, 5, 6, 7);
 }
 
+/* Rows become columns, columns rows. */
+static inline void calx_transpose8(calx_v8 r[8])
+{
+    calx_v8 pair[8], a[8];
+    for (int k = 0; k < 8; k += 2) {
+        pair[k] = __builtin_shufflevector(r[k], r[k + 1], 0, 8, 2, 10, 4, 12, 6, 14);
+        pair[k + 1] = __builtin_shufflevector(r[k], r[k + 1], 1, 9, 3, 11, 5, 13, 7, 15);
+    }
+    for (int q = 0; q < 2; q++) /* even and odd columns */
+        for (int half = 0; half < 2; half++) {
+            calx_v8 first = pair[4 * half + q], second = pair[4 * half + q + 2];
+            a[4 * q + 2 * half] = __builtin_shufflevector(first, second, 0, 1, 4, 5, 8, 9, 12, 13);
+            a[4 * q + 2 * half + 1] = __builtin_shufflevector(first, second, 2, 3, 6, 7, 10, 11, 14, 15);
+        }
+    for (int q = 0; q < 2; q++)
+        for (int odd = 0; odd < 2; odd++) {
+            calx_v8 first = a[4 * q + odd], second = a[4 * q + 2 + odd];
+            r[q + 2 * odd] = __builtin_shufflevector(first, second, 0, 1, 4, 5, 8, 9, 12, 13);
+            r[q + 2 * odd + 4] = __builtin_shufflevector(first, second, 2, 3, 6, 7, 10, 11, 14, 15);
+        }
+}
+
+/* Changes the sign of the lanes in which `minus` is -0.0 (0.0 elsewhere). */
+static inline calx_v8 calx_v8_flip(calx_v8 a, calx_v8 minus)
+{
+    return (calx_v8)((calx_bits8)a ^ (calx_bits8)minus);
+}
+
+static inline calx_v8 calx_v8_sqrt(calx_v8 a)
+{
+#if defined(__AVX512F__)
+    return (calx_v8)_mm512_sqrt_pd((__m512d)a);
+#else
+    calx_v8 r;
+    for (int l = 0; l < 8; l++)
+        r[l] = sqrt(a[l]);
+    return r;
+#endif
+}
+
+/* a > 0 ? yes : no, lane by lane. */
+static inline calx_v8 calx_v8_positive(calx_v8 a, calx_v8 yes, calx_v8 no)
+{
+#if defined(__AVX512F__)
+    __mmask8 where = _mm512_cmp_pd_mask((__m512d)a, _mm512_setzero_pd(), _CMP_GT_OQ);
+    return (calx_v8)_mm512_mask_blend_pd(where, (__m512d)no, (__m512d)yes);
+#else
+    calx_bits8 where = a > 0.0;
+    return (calx_v8)((where & (calx_bits8)yes) | (~where & (calx_bits8)no));
+#endif
+}
+
+static inline calx_v8 calx_v8_max(calx_v8 a, calx_v8 b)
+{
+    return calx_v8_positive(a - b, a, b);
+}
+
+/* The first n lanes, zero in the others. */
+static inline calx_v8 calx_v8_first(calx_v8 a, size_t n)
+{
+    static const calx_v8 place = {0, 1, 2, 3, 4, 5, 6, 7};
+    return calx_v8_positive((double)n - place, a, (calx_v8){0});
+}
+
 /* Bit l is set where a[l] < b[l]. */
 static inline unsigned calx_v8_less(calx_v8 a, calx_v8 b)
 {
@@ -114,25 +180,10 @@ static inline unsigned calx_v8_less(calx_v8 a, calx_v8 b)
 #endif
 }
 
-/* Writes the lanes whose bit is set one after the other, unaligned; may write up to eight values. */
-static inline void calx_v8_pick(double *to, calx_v8 v, unsigned bits)
+/* Across the lanes, in the same order on every machine. */
+static inline double calx_v8_sum(calx_v8 a)
 {
-#if defined(__AVX512F__)
-    _mm512_storeu_pd(to, _mm512_maskz_compress_pd((__mmask8)bits, (__m512d)v));
-#else
-    for (unsigned l = 0, n = 0; l < 8; l++) {
-        to[n] = v[l];
-        n += bits >> l & 1;
-    }
-#endif
-}
-
-/* Bit l is set where byte l is not zero. */
-static inline unsigned calx_bytes_to_bits(const uint8_t *p)
-{
-    uint64_t v;
-    memcpy(&v, p, sizeof v);
-    return (unsigned)((v & 0x0101010101010101ull) * 0x0102040810204080ull >> 56);
+    return ((a[0] + a[4]) + (a[2] + a[6])) + ((a[1] + a[5]) + (a[3] + a[7]));
 }
 
 #endif

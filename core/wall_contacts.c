@@ -38,6 +38,7 @@ struct wall_batch {
     int wall[CALX_BATCH];
     double point_velocity[CALX_BATCH][3];
     int32_t row[CALX_BATCH];
+    size_t slot[CALX_BATCH]; /* where its history goes */
     double share[CALX_BATCH];
 };
 
@@ -131,16 +132,15 @@ static void fill_lane(struct wall_batch *w, int32_t row, const struct candidate 
     const double *seen = w->dt > 0.0 ? past : now; /* as the grains' own velocities */
     double depth = x[3] - k->touch.distance;
     c->overlap[lane] = depth;
-    c->lever[0][lane] = s->plan->models->lever_full ? x[3] : x[3] - 0.5 * depth;
-    c->lever[1][lane] = c->tilt[lane] = c->curvature[1][lane] = 0.0;
-    c->inverse_mass[lane] = fmax(v[3], 1e-200);
+    c->levers[lane] = s->plan->models->lever_full ? x[3] : x[3] - 0.5 * depth;
+    c->curvature[1][lane] = 0.0;
+    c->mass[lane] = v[3] > 0.0 ? 1.0 / v[3] : 0.0;
     c->curvature[0][lane] = 1.0 / x[3];
     for (int q = 0; q < 3; q++) {
         c->normal[q][lane] = k->touch.normal[q];
         c->velocity[q][lane] = v[q] - seen[q];
-        c->omega[1][q][lane] = 0.0;
         if (s->r.stride == 8)
-            c->omega[0][q][lane] = v[4 + q];
+            c->omega[q][lane] = v[4 + q];
     }
     if (s->features.temperature) {
         c->temperature[0][lane] = v[7];
@@ -192,7 +192,7 @@ static void add_lane(struct wall_batch *w, size_t lane)
     for (int k = 0; k < 3; k++) {
         a[k] += c->force[k][lane];
         if (plan->needs & CALX_NEEDS_ROTATION)
-            a[4 + k] -= c->lever[0][lane] * c->twist[k][lane];
+            a[4 + k] -= c->levers[lane] * c->twist[k][lane];
         if (plan->needs & CALX_NEEDS_SPIN)
             a[4 + k] += c->torque[k][lane];
     }
@@ -220,6 +220,7 @@ static void flush(struct wall_batch *w)
     size_t columns = s->plan->history;
     for (size_t lane = c->n; lane % CALX_WIDTH; lane++)
         c->overlap[lane] = 0.0;
+    CALX_ISA(calx_evaluate_motion)(s->plan, w->dt, c);
     if (w->energy) {
         CALX_ISA(calx_evaluate_energy)(s->plan, w->type, w->dt, c);
         for (size_t lane = 0; lane < c->n; lane++)
@@ -227,13 +228,14 @@ static void flush(struct wall_batch *w)
         c->n = 0;
         return;
     }
-    CALX_ISA(calx_evaluate_batch)(s->plan, w->type, w->dt, w->conduct, c, NULL);
+    CALX_ISA(calx_evaluate_laws)(s->plan, w->type, w->dt, w->conduct, c, NULL);
+    CALX_ISA(calx_evaluate_force)(s->plan, c);
     for (size_t lane = 0; lane < c->n; lane++) {
         if (w->sink) {
             w->sink->take(w->sink->context, c, lane, w->row[lane], -1 - w->wall[lane]);
             continue;
         }
-        size_t slot = c->source[lane];
+        size_t slot = w->slot[lane];
         add_lane(w, lane);
         for (size_t h = 0; h < columns && slot != NOWHERE; h++)
             s->wall_history_next[columns * slot + h] = c->history[h][lane];
@@ -262,7 +264,7 @@ static void push(struct wall_batch *w, int32_t row, const struct candidate *k, p
     if (c->n == CALX_BATCH || (c->n && type != w->type))
         flush(w);
     w->type = type;
-    c->source[c->n] = slot;
+    w->slot[c->n] = slot;
     for (size_t h = 0; h < columns; h++)
         c->history[h][c->n] = old >= 0 ? s->wall_history[columns * (size_t)old + h] : 0.0;
     fill_lane(w, row, k);
@@ -322,6 +324,8 @@ void CALX_ISA(calx_wall_contacts)(struct calx_sim *s, size_t block, double dt, b
     if (!w.look)
         memset(s->block_wall_force + block * s->scene->wall_count, 0,
                s->scene->wall_count * sizeof *s->block_wall_force);
+    for (size_t h = 0; h < s->plan->history; h++)
+        c->history[h] = c->kept[h];
     c->n = 0;
     while (at < end) {
         int32_t row = s->near_row[at];

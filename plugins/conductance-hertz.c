@@ -71,7 +71,7 @@ static void conductance(const void *params, const struct calx_contacts *b, doubl
 }
 
 static const struct calx_conductance_law law = {
-    .demand = {.needs = CALX_NEEDS_NORMAL_FORCE},
+    .demand = {.needs = CALX_NEEDS_NORMAL_FORCE | CALX_NEEDS_CURVATURE},
     .prepare = prepare,
     .conductance = conductance,
 };

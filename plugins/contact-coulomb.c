@@ -82,9 +82,9 @@ static int prepare(const struct calx_setup *setup, void *params, struct calx_dem
     return 0;
 }
 
-static inline double damping(const struct coulomb *p, double inverse_mass)
+static inline double damping(const struct coulomb *p, double mass)
 {
-    return p->damping + (inverse_mass > 0 ? p->damping_rate / inverse_mass : 0);
+    return p->damping + p->damping_rate * mass;
 }
 
 /* The factor that brings a force of size sqrt(f2) to the limit. */
@@ -118,47 +118,67 @@ CALX_KERNEL static void rub(size_t n, double k, double mu, double dt,
 }
 
 /* h: force of the evaluation before. The damper is before the slider, or beside both if friction
- * limits the spring alone. */
-CALX_KERNEL static void rub_damped(size_t n, struct coulomb p, double dt,
-                                   const double *restrict overlap, const double *restrict vx,
-                                   const double *restrict vy, const double *restrict vz,
-                                   const double *restrict inverse_mass,
-                                   const double *restrict normal_force, double *restrict fx,
-                                   double *restrict fy, double *restrict fz, double *restrict work,
-                                   double *restrict sx, double *restrict sy, double *restrict sz,
-                                   double *restrict hx, double *restrict hy, double *restrict hz)
+ * limits the spring alone. `cap` is known when this is compiled. */
+static inline __attribute__((always_inline)) void rub_damped(
+    const int cap, size_t n, const struct coulomb *p, double dt, const double *restrict overlap,
+    const double *restrict vx, const double *restrict vy, const double *restrict vz,
+    const double *restrict mass, const double *restrict normal_force, double *restrict fx,
+    double *restrict fy, double *restrict fz, double *restrict work, double *restrict sx,
+    double *restrict sy, double *restrict sz, double *restrict hx, double *restrict hy,
+    double *restrict hz)
 {
-    const double both = p.cap == SPRING ? 0 : 1, peers = p.cap == PEERS ? 1 : 0;
+    const double k = p->stiffness, compliance = 1 / k, friction = p->friction;
+    const double constant = p->damping, rate = p->damping_rate;
     for (size_t c = 0; c < n; c++) {
-        double touch = overlap[c] > 0 ? 1 : 0, ct = damping(&p, inverse_mass[c]) * touch;
-        double limited = ct * both, beside = ct - limited, follow = ct * peers, serial = limited - follow;
-        double pace = p.stiffness * dt + limited, part = serial > 0 ? p.stiffness * dt / pace : 1;
+        double touch = overlap[c] > 0 ? 1 : 0, ct = (constant + rate * mass[c]) * touch;
+        double limited = cap == SPRING ? 0 : ct, pace = k * dt + limited;
         double x = sx[c] - pace * vx[c], y = sy[c] - pace * vy[c], z = sz[c] - pace * vz[c];
-        double share = shorten(x * x + y * y + z * z, touch * p.friction * fabs(normal_force[c]));
+        double share = shorten(x * x + y * y + z * z, touch * friction * fabs(normal_force[c]));
         x *= share, y *= share, z *= share;
-        double nx = touch * (sx[c] - part * (sx[c] - x)) + follow * vx[c];
-        double ny = touch * (sy[c] - part * (sy[c] - y)) + follow * vy[c];
-        double nz = touch * (sz[c] - part * (sz[c] - z)) + follow * vz[c];
-        x -= beside * vx[c], y -= beside * vy[c], z -= beside * vz[c];
+        double nx = x, ny = y, nz = z; /* the spring */
+        if (cap == SERIAL) {
+            double part = ct > 0 ? k * dt / pace : 1;
+            nx = sx[c] - part * (sx[c] - x), ny = sy[c] - part * (sy[c] - y), nz = sz[c] - part * (sz[c] - z);
+        } else if (cap == PEERS) {
+            nx += ct * vx[c], ny += ct * vy[c], nz += ct * vz[c];
+        } else {
+            x -= ct * vx[c], y -= ct * vy[c], z -= ct * vz[c];
+        }
+        nx *= touch, ny *= touch, nz *= touch;
         fx[c] += x, fy[c] += y, fz[c] += z;
         double done = ((hx[c] + x) * vx[c] + (hy[c] + y) * vy[c] + (hz[c] + z) * vz[c]) * dt;
         double stored =
             (nx + sx[c]) * (nx - sx[c]) + (ny + sy[c]) * (ny - sy[c]) + (nz + sz[c]) * (nz - sz[c]);
-        work[c] -= 0.5 * (done + stored / p.stiffness);
+        work[c] -= 0.5 * (done + stored * compliance);
         sx[c] = nx, sy[c] = ny, sz[c] = nz;
         hx[c] = x, hy[c] = y, hz[c] = z;
     }
 }
+
+#define COLUMNS(P)                                                                                 \
+    size_t n, const struct coulomb *p, double dt, const double *P overlap, const double *P vx,     \
+        const double *P vy, const double *P vz, const double *P mass, const double *P normal,      \
+        double *P fx, double *P fy, double *P fz, double *P work, double *P sx, double *P sy,      \
+        double *P sz, double *P hx, double *P hy, double *P hz
+#define RUB(name, cap)                                                                             \
+    CALX_KERNEL static void name(COLUMNS(restrict))                                                \
+    {                                                                                              \
+        rub_damped(cap, n, p, dt, overlap, vx, vy, vz, mass, normal, fx, fy, fz, work, sx, sy, sz, \
+                   hx, hy, hz);                                                                    \
+    }
+RUB(rub_serial, SERIAL)
+RUB(rub_spring, SPRING)
+RUB(rub_peers, PEERS)
 
 static void force(const void *params, const struct calx_contacts *b)
 {
     const struct coulomb *p = params;
     double *const *h = b->history;
     size_t n = calx_padded(b->n);
+    void (*const rub_by_cap[])(COLUMNS()) = {[SERIAL] = rub_serial, [SPRING] = rub_spring, [PEERS] = rub_peers};
     if (damped(p))
-        rub_damped(n, *p, b->dt, b->overlap, b->vt[0], b->vt[1], b->vt[2], b->inverse_mass,
-                   b->coulomb, b->ft[0], b->ft[1], b->ft[2], b->work, h[0], h[1], h[2], h[3], h[4],
-                   h[5]);
+        rub_by_cap[(int)p->cap](n, p, b->dt, b->overlap, b->vt[0], b->vt[1], b->vt[2], b->mass, b->coulomb,
+                                b->ft[0], b->ft[1], b->ft[2], b->work, h[0], h[1], h[2], h[3], h[4], h[5]);
     else
         rub(n, p->stiffness, p->friction, b->dt, b->overlap, b->vt[0], b->vt[1], b->vt[2],
             b->coulomb, b->ft[0], b->ft[1], b->ft[2], b->work, h[0], h[1], h[2]);
@@ -178,7 +198,7 @@ static void response(const void *params, const struct calx_contacts *b,
         if (r->stiffness[1])
             r->stiffness[1][c] += p->stiffness;
         if (r->damping[1])
-            r->damping[1][c] += damping(p, b->inverse_mass[c]);
+            r->damping[1][c] += damping(p, b->mass[c]);
     }
 }
 

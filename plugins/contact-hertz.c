@@ -102,9 +102,9 @@ static inline double stiffness(const struct hertz *p, double d, double k1, doubl
     return d > 0 ? 2 * p->modulus * sqrt(d / (k1 + k2)) : 0;
 }
 
-static inline double damping(const struct hertz *p, double s, double inverse_mass)
+static inline double damping(const struct hertz *p, double s, double mass)
 {
-    return p->constant + p->root * sqrt(inverse_mass > 0 ? s / inverse_mass : 0);
+    return p->constant + p->root * sqrt(s * mass);
 }
 
 CALX_KERNEL static void push_elastic(size_t n, struct hertz p, const double *restrict overlap,
@@ -118,14 +118,14 @@ CALX_KERNEL static void push_elastic(size_t n, struct hertz p, const double *res
 /* old: the dissipative force of the evaluation before, for the trapezoid. */
 CALX_KERNEL static void push_damped(size_t n, struct hertz p, double dt,
                                     const double *restrict overlap, const double *restrict vn,
-                                    const double *restrict inverse_mass, const double *restrict k1,
+                                    const double *restrict mass, const double *restrict k1,
                                     const double *restrict k2, double *restrict fn,
                                     double *restrict work, double *restrict old)
 {
     for (size_t c = 0; c < n; c++) {
         double s = stiffness(&p, overlap[c], k1[c], k2[c]);
         double spring = 2.0 / 3.0 * s * overlap[c];
-        double f = spring - damping(&p, s, inverse_mass[c]) * vn[c];
+        double f = spring - damping(&p, s, mass[c]) * vn[c];
         f = f < p.floor ? p.floor : f;
         f = overlap[c] > 0 ? f : 0;
         double lost = f - spring;
@@ -140,7 +140,7 @@ static void force(const void *params, const struct calx_contacts *b)
     const struct hertz *p = params;
     size_t n = calx_padded(b->n);
     if (damped(p))
-        push_damped(n, *p, b->dt, b->overlap, b->vn, b->inverse_mass, b->curvature[0],
+        push_damped(n, *p, b->dt, b->overlap, b->vn, b->mass, b->curvature[0],
                     b->curvature[1], b->fn, b->work, b->history[0]);
     else
         push_elastic(n, *p, b->overlap, b->curvature[0], b->curvature[1], b->fn);
@@ -159,7 +159,7 @@ static void response(const void *params, const struct calx_contacts *b,
         if (r->stiffness[0])
             r->stiffness[0][c] += s;
         if (r->damping[0])
-            r->damping[0][c] += damping(p, s, b->inverse_mass[c]);
+            r->damping[0][c] += damping(p, s, b->mass[c]);
     }
 }
 
@@ -167,7 +167,7 @@ static const char *const history[] = {"damping-force"};
 
 static const struct calx_contact_law law = {
     .provides = CALX_NORMAL,
-    .demand = {.history_scalars = 1},
+    .demand = {.needs = CALX_NEEDS_CURVATURE, .history_scalars = 1},
     .history = history,
     .prepare = prepare,
     .force = force,

@@ -102,11 +102,9 @@ static int prepare(const struct calx_setup *setup, void *params, struct calx_dem
     return 0;
 }
 
-static inline double damping(const struct linear *p, double inverse_mass)
+static inline double damping(const struct linear *p, double mass)
 {
-    double m =
-        inverse_mass > 0 ? 1 / inverse_mass : 0; /* 0: both bodies are held, and nothing moves */
-    return p->root * sqrt(m) + p->constant + p->rate * m;
+    return p->root * sqrt(mass) + p->constant + p->rate * mass;
 }
 
 CALX_KERNEL static void push_elastic(size_t n, double k, const double *restrict overlap,
@@ -119,12 +117,12 @@ CALX_KERNEL static void push_elastic(size_t n, double k, const double *restrict 
 /* old: the dissipative force of the evaluation before, for the trapezoid. */
 CALX_KERNEL static void push_damped(size_t n, struct linear p, double dt,
                                     const double *restrict overlap, const double *restrict vn,
-                                    const double *restrict inverse_mass, double *restrict fn,
+                                    const double *restrict mass, double *restrict fn,
                                     double *restrict work, double *restrict old)
 {
     for (size_t c = 0; c < n; c++) {
         double spring = p.stiffness * overlap[c];
-        double f = spring - damping(&p, inverse_mass[c]) * vn[c];
+        double f = spring - damping(&p, mass[c]) * vn[c];
         f = f < p.floor ? p.floor : f;
         f = overlap[c] > 0 ? f : 0;
         double lost = overlap[c] > 0 ? f - spring : 0;
@@ -152,7 +150,7 @@ static void force(const void *params, const struct calx_contacts *b)
     const struct linear *p = params;
     size_t n = calx_padded(b->n), vectors = p->drag > 0;
     if (p->root > 0 || p->constant > 0 || p->rate > 0)
-        push_damped(n, *p, b->dt, b->overlap, b->vn, b->inverse_mass, b->fn, b->work,
+        push_damped(n, *p, b->dt, b->overlap, b->vn, b->mass, b->fn, b->work,
                     b->history[3 * vectors]);
     else
         push_elastic(n, p->stiffness, b->overlap, b->fn);
@@ -172,7 +170,7 @@ static void response(const void *params, const struct calx_contacts *b,
         if (r->stiffness[0])
             r->stiffness[0][c] += p->stiffness;
         if (r->damping[0])
-            r->damping[0][c] += damping(p, b->inverse_mass[c]);
+            r->damping[0][c] += damping(p, b->mass[c]);
         if (r->damping[1] && p->drag > 0)
             r->damping[1][c] += p->drag;
     }

@@ -84,15 +84,15 @@ static inline double stiffness(const struct mindlin *p, double d, double k1, dou
     return d > 0 ? p->modulus * sqrt(d / (k1 + k2)) : 0;
 }
 
-static inline double damping(const struct mindlin *p, double kt, double inverse_mass)
+static inline double damping(const struct mindlin *p, double kt, double mass)
 {
-    return p->root * sqrt(inverse_mass > 0 ? kt / inverse_mass : 0);
+    return p->root * sqrt(kt * mass);
 }
 
 /* s: spring, h: force, e: energy stored, all of the evaluation before. */
 CALX_KERNEL static void rub(size_t n, struct mindlin p, double dt, const double *restrict overlap,
                             const double *restrict vx, const double *restrict vy,
-                            const double *restrict vz, const double *restrict inverse_mass,
+                            const double *restrict vz, const double *restrict mass,
                             const double *restrict k1, const double *restrict k2,
                             const double *restrict normal_force, double *restrict fx,
                             double *restrict fy, double *restrict fz, double *restrict work,
@@ -101,7 +101,7 @@ CALX_KERNEL static void rub(size_t n, struct mindlin p, double dt, const double 
                             double *restrict e)
 {
     for (size_t c = 0; c < n; c++) {
-        double kt = stiffness(&p, overlap[c], k1[c], k2[c]), ct = damping(&p, kt, inverse_mass[c]);
+        double kt = stiffness(&p, overlap[c], k1[c], k2[c]), ct = damping(&p, kt, mass[c]);
         double pace = kt * dt + ct, part = ct > 0 ? kt * dt / pace : 1;
         double x = sx[c] - pace * vx[c], y = sy[c] - pace * vy[c], z = sz[c] - pace * vz[c];
         double limit = kt > 0 ? p.friction * fabs(normal_force[c]) : 0, f2 = x * x + y * y + z * z;
@@ -128,7 +128,7 @@ static void force(const void *params, const struct calx_contacts *b)
         memcpy(copy[k], s[k], n * sizeof(double));
     double *h[] = {p->root > 0 ? s[3] : copy[0], p->root > 0 ? s[4] : copy[1],
                    p->root > 0 ? s[5] : copy[2]};
-    rub(n, *p, b->dt, b->overlap, b->vt[0], b->vt[1], b->vt[2], b->inverse_mass, b->curvature[0],
+    rub(n, *p, b->dt, b->overlap, b->vt[0], b->vt[1], b->vt[2], b->mass, b->curvature[0],
         b->curvature[1], b->coulomb, b->ft[0], b->ft[1], b->ft[2], b->work, s[0], s[1], s[2], h[0],
         h[1], h[2], s[p->root > 0 ? 6 : 3]);
 }
@@ -147,7 +147,7 @@ static void response(const void *params, const struct calx_contacts *b,
         if (r->stiffness[1])
             r->stiffness[1][c] += kt;
         if (r->damping[1])
-            r->damping[1][c] += damping(p, kt, b->inverse_mass[c]);
+            r->damping[1][c] += damping(p, kt, b->mass[c]);
     }
 }
 
@@ -156,7 +156,8 @@ static const char *const history[] = {"spring", "force", "energy"};
 static const struct calx_contact_law law = {
     .provides = CALX_TANGENTIAL,
     .depends = CALX_NORMAL,
-    .demand = {.needs = CALX_NEEDS_TANGENT | CALX_NEEDS_ROTATION | CALX_NEEDS_NORMAL_FORCE,
+    .demand = {.needs = CALX_NEEDS_TANGENT | CALX_NEEDS_ROTATION | CALX_NEEDS_NORMAL_FORCE |
+                        CALX_NEEDS_CURVATURE,
                .history_vectors = 2,
                .history_scalars = 1},
     .history = history,

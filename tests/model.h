@@ -103,7 +103,7 @@ static inline double sphere_mass(double density, double radius)
 
 /* A batch of one contact with its padding: normal along y, sliding along x. */
 struct contact {
-    _Alignas(64) double overlap[8], vn[8], vt[3][8], normal[3][8], inverse_mass[8], curvature[2][8];
+    _Alignas(64) double overlap[8], vn[8], vt[3][8], normal[3][8], mass[8], curvature[2][8];
     double fn[8], ft[3][8], work[8], history[12][8];
     double *column[2][12]; /* of the normal and the tangential law */
     struct calx_contacts batch;
@@ -118,7 +118,7 @@ static inline void contact_begin(struct contact *c, double dt, double inverse_ma
         c->column[1][k] = c->history[k + 2 < 12 ? k + 2 : 11];
     }
     c->normal[1][0] = 1;
-    c->inverse_mass[0] = inverse_mass;
+    c->mass[0] = 1 / inverse_mass;
     c->curvature[0][0] = curvature_i;
     c->curvature[1][0] = curvature_j;
     c->batch = (struct calx_contacts){.size = sizeof c->batch,
@@ -128,7 +128,7 @@ static inline void contact_begin(struct contact *c, double dt, double inverse_ma
                                       .normal = {c->normal[0], c->normal[1], c->normal[2]},
                                       .vn = c->vn,
                                       .vt = {c->vt[0], c->vt[1], c->vt[2]},
-                                      .inverse_mass = c->inverse_mass,
+                                      .mass = c->mass,
                                       .curvature = {c->curvature[0], c->curvature[1]},
                                       .coulomb = c->fn,
                                       .fn = c->fn,

@@ -152,8 +152,8 @@ static void check_arrays(const struct calx_sim *s, const struct calx_features *e
                       rows[k].name, rows[k].array ? "are" : "are not");
     ck_assert_msg(s->r.stride == (e->rotation || e->temperature ? 8 : 4), "%s: %zu numbers per row",
                   what, s->r.stride);
-    ck_assert_msg(!e->search ? s->pairs.count == 0 : s->pairs.count <= 1, "%s: %zu pairs", what,
-                  s->pairs.count);
+    ck_assert_msg(!e->search ? s->pairs.reach == 0 : s->pairs.reach <= 1, "%s: %zu pairs", what,
+                  s->pairs.reach);
 }
 
 static void check_frame(struct calx_sim *s, const struct calx_features *e, const char *what)

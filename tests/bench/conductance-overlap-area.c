@@ -57,7 +57,11 @@ static void conductance(const void *params, const struct calx_contacts *b, doubl
     conduct(calx_padded(b->n), p->twice, b->overlap, b->curvature[0], b->curvature[1], h);
 }
 
-static const struct calx_conductance_law law = {.prepare = prepare, .conductance = conductance};
+static const struct calx_conductance_law law = {
+    .demand = {.needs = CALX_NEEDS_CURVATURE},
+    .prepare = prepare,
+    .conductance = conductance,
+};
 
 CALX_EXPORT const struct calx_plugin calx_plugin = {
     CALX_DESCRIPTOR_PREFIX,

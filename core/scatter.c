@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * From the columns of a batch back to rows: forces, couples and heat flows of eight pairs at a time are turned into rows and added to both
+ * bodies in the order of the list. Newton's third law, the lever arms and the antisymmetric heat flow are applied here and in
+ * wall_contacts.c, nowhere else.
+ */
+#include "core/gather.h"
+#include "core/lanes.h"
+
+#define CALX_INLINE static inline __attribute__((always_inline))
+
+/* Of a batch: the heat that flows, and whether the row of body j is that of body i with some signs changed. */
+struct flows {
+    bool conduct, dissipate;
+    double share[2]; /* 1/s: of work, into i and into j */
+    bool mirror;
+};
+
+static struct flows flows_of(const struct calx_block_view *b)
+{
+    struct calx_sim *s = b->s;
+    size_t materials = s->scene->material_count;
+    struct flows f = {.conduct = b->conduct && !s->plan->global_heat,
+                      .dissipate = s->features.temperature && s->scene->from_dissipation > 0.0 && b->dt > 0.0};
+    if (f.dissipate) {
+        CALX_ISA(calx_heat_shares)(s, b->type / materials, b->type % materials, f.share);
+        for (int body = 0; body < 2; body++)
+            f.share[body] /= b->interval;
+    }
+    f.mirror = s->radius_min == s->radius_max && !(s->plan->needs & CALX_NEEDS_SPIN) && !f.dissipate;
+    return f;
+}
+
+CALX_INLINE void load3(const calx_column *from, size_t lane, calx_v8 v[3])
+{
+    for (int k = 0; k < 3; k++)
+        v[k] = calx_v8_load(from[k] + lane);
+}
+
+/* Force on i, and n x ft if there are tangential forces. */
+CALX_INLINE void forces(const struct calx_columns *c, size_t lane, bool tangent, calx_v8 force[3], calx_v8 twist[3])
+{
+    calx_v8 n[3], ft[3] = {{0}}, fn = calx_v8_load(c->fn + lane);
+    load3(c->normal, lane, n);
+    if (tangent)
+        load3(c->ft, lane, ft);
+    calx_lanes_force(n, fn, ft, force);
+    calx_lanes_twist(n, ft, twist);
+}
+
+/* Heat into body 0 or 1. */
+CALX_INLINE calx_v8 heat_into(const struct calx_columns *c, size_t lane, const struct flows *f, int body)
+{
+    calx_v8 q = {0};
+    if (f->conduct) {
+        q = calx_v8_load(c->conductance + lane) * calx_v8_load(c->warmth + lane);
+        q = body ? q : -q;
+    }
+    if (f->dissipate)
+        q += f->share[body] * calx_v8_load(c->work + lane);
+    return q;
+}
+
+/* Rows of four: forces alone. */
+static void scatter_narrow(const struct calx_block_view *b, const struct calx_columns *c)
+{
+    bool tangent = b->s->plan->needs & CALX_NEEDS_TANGENT;
+    for (size_t lane = 0; lane < c->n; lane += 8) {
+        calx_v8 force[4] = {{0}}, twist[3];
+        calx_v4 row[8];
+        size_t end = c->n - lane < 8 ? c->n - lane : 8;
+        forces(c, lane, tangent, force, twist);
+        calx_columns_to_rows(force, row);
+        for (size_t k = 0; k < end; k++) {
+            calx_v4_add(b->a + 4 * (size_t)b->i[lane + k], row[k]);
+            calx_v4_add(b->a + 4 * (size_t)b->j[lane + k], -row[k]);
+        }
+    }
+}
+
+CALX_INLINE void add(double *to, calx_v8 row)
+{
+    calx_v8_store(to, calx_v8_load(to) + row);
+}
+
+/* Bodies of one size, no couple of their own, heat that goes from one to the other: one set of rows serves both. */
+static void scatter_mirror(const struct calx_block_view *b, const struct calx_columns *c, const struct flows *f)
+{
+    static const calx_v8 minus = {-0.0, -0.0, -0.0, 0.0, 0.0, 0.0, 0.0, -0.0};
+    bool tangent = b->s->plan->needs & CALX_NEEDS_TANGENT, rotation = b->s->plan->needs & CALX_NEEDS_ROTATION;
+    for (size_t lane = 0; lane < c->n; lane += 8) {
+        calx_v8 row[8] = {{0}}, twist[3];
+        size_t end = c->n - lane < 8 ? c->n - lane : 8;
+        forces(c, lane, tangent, row, twist);
+        if (rotation) {
+            calx_v8 lever = -0.5 * calx_v8_load(c->levers + lane);
+            for (int k = 0; k < 3; k++)
+                row[4 + k] = lever * twist[k];
+        }
+        row[7] = heat_into(c, lane, f, 0);
+        calx_transpose8(row);
+        for (size_t k = 0; k < end; k++) {
+            add(b->a + 8 * (size_t)b->i[lane + k], row[k]);
+            add(b->a + 8 * (size_t)b->j[lane + k], calx_v8_flip(row[k], minus));
+        }
+    }
+}
+
+static void scatter_both(const struct calx_block_view *b, const struct calx_columns *c, const struct flows *f)
+{
+    uint32_t needs = b->s->plan->needs;
+    for (size_t lane = 0; lane < c->n; lane += 8) {
+        calx_v8 force[3], twist[3], torque[3] = {{0}};
+        size_t end = c->n - lane < 8 ? c->n - lane : 8;
+        forces(c, lane, needs & CALX_NEEDS_TANGENT, force, twist);
+        if (needs & CALX_NEEDS_SPIN)
+            load3(c->torque, lane, torque);
+        for (int body = 0; body < 2; body++) {
+            calx_v8 row[8] = {{0}}, sign = (calx_v8){0} + (body ? -1.0 : 1.0);
+            for (int k = 0; k < 3; k++)
+                row[k] = sign * force[k];
+            if (needs & CALX_NEEDS_ROTATION) {
+                calx_v8 lever = 0.5 * (calx_v8_load(c->levers + lane) + sign * calx_v8_load(c->excess + lane));
+                for (int k = 0; k < 3; k++)
+                    row[4 + k] = sign * torque[k] - lever * twist[k];
+            }
+            row[7] = heat_into(c, lane, f, body);
+            calx_transpose8(row);
+            const int32_t *to = (body ? b->j : b->i) + lane;
+            for (size_t k = 0; k < end; k++)
+                add(b->a + 8 * (size_t)to[k], row[k]);
+        }
+    }
+}
+
+/* Which of the bodies of the batch overlap more than any before, relative to the smaller radius. */
+static void note_deepest(const struct calx_block_view *b, const struct calx_columns *c)
+{
+    struct calx_tally *t = b->tally;
+    for (size_t lane = 0; lane < c->n; lane++) {
+        double ri = b->x[4 * (size_t)b->i[lane] + 3], rj = b->x[4 * (size_t)b->j[lane] + 3];
+        double depth = c->overlap[lane] / (ri < rj ? ri : rj);
+        if (!(depth > t->overlap))
+            continue;
+        t->overlap = depth;
+        t->overlap_rows[0] = b->block->first + b->i[lane];
+        t->overlap_rows[1] = b->block->first + b->j[lane];
+    }
+}
+
+/* Overlaps that no pair could have relative to its smaller radius are passed over: what is noted is exact from the bound of the guard on. */
+static void tally(const struct calx_block_view *b, struct calx_columns *c)
+{
+    struct calx_tally *t = b->tally;
+    calx_v8 work = {0}, deepest = {0};
+    for (size_t lane = 0; lane < c->n; lane += 8) {
+        calx_v8 w = calx_v8_load(c->work + lane), overlap = calx_v8_load(c->overlap + lane);
+        work += lane + 8 > c->n ? calx_v8_first(w, c->n - lane) : w;
+        deepest = calx_v8_max(deepest, overlap);
+        t->contacts += __builtin_popcount(b->s->plan->gap > 0.0 ? calx_v8_less((calx_v8){0}, overlap) : c->is[lane / 8]);
+    }
+    t->work += calx_v8_sum(work);
+    if (calx_v8_less((calx_v8){0} + CALX_OVERLAP_BOUND * b->s->radius_min, deepest))
+        note_deepest(b, c);
+}
+
+/* History of pairs that have parted becomes 0. */
+static void forget_parted(const struct calx_block_view *b, struct calx_columns *c)
+{
+    for (size_t lane = 0; lane < c->n; lane += 8)
+        for (unsigned bits = c->was[lane / 8] & ~c->is[lane / 8] & 0xffu; bits; bits &= bits - 1)
+            for (size_t h = 0; h < b->s->plan->history; h++)
+                c->history[h][lane + (size_t)__builtin_ctz(bits)] = 0.0;
+}
+
+void CALX_ISA(calx_scatter_batch)(const struct calx_block_view *b, struct calx_columns *c)
+{
+    struct flows f = flows_of(b);
+    forget_parted(b, c);
+    if (b->s->r.stride == 4)
+        scatter_narrow(b, c);
+    else if (f.mirror)
+        scatter_mirror(b, c, &f);
+    else
+        scatter_both(b, c, &f);
+    tally(b, c);
+}
