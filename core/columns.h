@@ -30,6 +30,10 @@ struct calx_columns {
     /* of wall contacts: v_i less the wall's at the contact point, spin of the grain; out: force on i, n x ft */
     calx_column velocity[3], omega[3], force[3], twist[3];
     calx_column kept[CALX_HISTORY_MAX];
+    /* the batch as each law sees it, and the conductance after them; made once per plan */
+    const struct calx_plan *viewed;
+    struct calx_contacts views[CALX_LAWS_MAX + 1];
+    double *law_history[CALX_LAWS_MAX][CALX_HISTORY_MAX];
     uint8_t was[CALX_BATCH / 8], is[CALX_BATCH / 8]; /* touching, before and now: a bit per lane */
     size_t n;                                        /* last, so that every column is aligned */
 } __attribute__((aligned(64)));
@@ -51,17 +55,21 @@ void CALX_ISA(calx_evaluate_energy)(const struct calx_plan *, size_t type, doubl
 
 /* ---- wall_contacts.c ---- */
 
-/* Wall contacts of one block: into its rows, tally and wall forces; or, if energy is not NULL, only the elastic energy is added
+/* Wall contacts of one block: into its rows of accelerations a, tally and wall forces; or, if energy is not NULL, only the elastic energy is added
  * there; or, if sink is not NULL, each contact is only shown to it. */
-void CALX_ISA(calx_wall_contacts)(struct calx_sim *, size_t block, double dt, bool conduct,
+void CALX_ISA(calx_wall_contacts)(struct calx_sim *, size_t block, double dt, bool conduct, double *a,
                                   struct calx_columns *, double *energy, const struct calx_sink *);
 
 /* The shares of dissipated work that become heat of body i and body j, for a pair type. */
 void CALX_ISA(calx_heat_shares)(const struct calx_sim *, size_t material_i, size_t material_j, double share[2]);
 
+/* ---- pairs.c: see pairs.h ---- */
+
+calx_pairs_finder CALX_ISA(calx_pairs_find);
+
 /* ---- integrate.c: see struct calx_engine ---- */
 
 double CALX_ISA(calx_block_before)(struct calx_sim *, size_t block, size_t stage);
-void CALX_ISA(calx_block_finish)(struct calx_sim *, size_t block, int stage, bool ahead);
+void CALX_ISA(calx_block_finish)(struct calx_sim *, size_t block, const struct calx_pass *, double *a);
 
 #endif

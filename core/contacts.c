@@ -88,12 +88,12 @@ static void process_batch(const struct calx_block_view *b, struct calx_columns *
     calx_timing_lap(b->clock, CALX_PHASE_SCATTER);
 }
 
-static struct calx_block_view view_block(struct calx_sim *s, size_t block, double dt, bool conduct)
+static struct calx_block_view view_block(struct calx_sim *s, size_t block, double dt, bool conduct, double *a)
 {
     const struct calx_row_block *rb = &s->blocks[block];
     return (struct calx_block_view){.s = s, .block = rb, .tally = &s->tallies[block],
                                     .x = calx_row_x(s, rb->first), .v = calx_row_v(s, rb->first),
-                                    .a = calx_row_a(s, rb->first), .dt = dt,
+                                    .a = a, .dt = dt,
                                     .interval = conduct ? s->plan->heat_dt : dt, .conduct = conduct};
 }
 
@@ -122,9 +122,18 @@ static void each_batch(struct calx_block_view *b, struct calx_columns *c,
     }
 }
 
-static void block_forces(struct calx_sim *s, size_t block, double dt, bool conduct)
+/* What belongs to particles of later blocks, which will collect it. */
+static void leave_for_others(struct calx_sim *s, const struct calx_row_block *b, const double *a)
 {
-    struct calx_block_view b = view_block(s, block, dt, conduct);
+    double *kept = calx_row_a(s, b->first);
+    size_t own = s->r.stride * (size_t)b->own;
+    if (a != kept)
+        memcpy(kept + own, a + own, s->r.stride * (size_t)b->ghosts * sizeof *a);
+}
+
+static void block_forces(struct calx_sim *s, size_t block, const struct calx_pass *pass, double *a)
+{
+    struct calx_block_view b = view_block(s, block, pass->dt, pass->conduct, a);
     struct calx_columns *c = s->columns[omp_get_thread_num()];
     size_t rows = (size_t)(b.block->own + b.block->ghosts);
     b.clock = calx_timing_clock(s);
@@ -135,13 +144,15 @@ static void block_forces(struct calx_sim *s, size_t block, double dt, bool condu
     refresh_ghosts(s, b.block);
     calx_timing_lap(b.clock, CALX_PHASE_GHOSTS);
     each_batch(&b, c, process_batch);
-    CALX_ISA(calx_wall_contacts)(s, block, dt, conduct, c, NULL, NULL);
+    CALX_ISA(calx_wall_contacts)(s, block, pass->dt, pass->conduct, a, c, NULL, NULL);
     calx_timing_lap(b.clock, CALX_PHASE_WALLS);
+    leave_for_others(s, b.block, a);
+    calx_timing_lap(b.clock, CALX_PHASE_GHOSTS);
 }
 
 static bool block_sift(struct calx_sim *s, size_t block, double inner)
 {
-    struct calx_block_view b = view_block(s, block, 0.0, false);
+    struct calx_block_view b = view_block(s, block, 0.0, false, NULL);
     struct calx_clock *clock = calx_timing_clock(s);
     bool room = true;
     calx_timing_restart(clock);
@@ -161,13 +172,13 @@ static void add_energy(const struct calx_block_view *b, struct calx_columns *c)
 
 static void block_energy(struct calx_sim *s, size_t block, double *energy)
 {
-    struct calx_block_view b = view_block(s, block, 0.0, false);
+    struct calx_block_view b = view_block(s, block, 0.0, false, NULL);
     struct calx_columns *c = s->columns[omp_get_thread_num()];
     b.look = true;
     b.tally->energy = 0.0;
     refresh_ghosts(s, b.block);
     each_batch(&b, c, add_energy);
-    CALX_ISA(calx_wall_contacts)(s, block, 0.0, false, c, &b.tally->energy, NULL);
+    CALX_ISA(calx_wall_contacts)(s, block, 0.0, false, NULL, c, &b.tally->energy, NULL);
     *energy = b.tally->energy;
 }
 
@@ -181,15 +192,16 @@ static void show_batch(const struct calx_block_view *b, struct calx_columns *c)
 
 static void block_network(struct calx_sim *s, size_t block, const struct calx_sink *sink)
 {
-    struct calx_block_view b = view_block(s, block, 0.0, s->plan->conductance != NULL);
+    struct calx_block_view b = view_block(s, block, 0.0, s->plan->conductance != NULL, NULL);
     struct calx_columns *c = s->columns[omp_get_thread_num()];
     b.look = true;
     b.sink = sink;
     refresh_ghosts(s, b.block);
     each_batch(&b, c, show_batch);
-    CALX_ISA(calx_wall_contacts)(s, block, 0.0, b.conduct, c, NULL, sink);
+    CALX_ISA(calx_wall_contacts)(s, block, 0.0, b.conduct, NULL, c, NULL, sink);
 }
 
 const struct calx_engine CALX_ISA(calx_engine) = {
     .block_forces = block_forces, .block_sift = block_sift, .block_energy = block_energy, .block_network = block_network,
+    .find_pairs = CALX_ISA(calx_pairs_find),
     .block_before = CALX_ISA(calx_block_before), .block_finish = CALX_ISA(calx_block_finish)};

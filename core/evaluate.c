@@ -75,10 +75,10 @@ void CALX_ISA(calx_evaluate_force)(const struct calx_plan *p, struct calx_column
 }
 
 /* The batch as a plugin sees it: columns it has not asked for are NULL. */
-static struct calx_contacts view(const struct calx_plan *p, uint32_t needs, double dt, struct calx_columns *c)
+static struct calx_contacts view(const struct calx_plan *p, uint32_t needs, struct calx_columns *c)
 {
-    struct calx_contacts v = {.size = sizeof v, .n = c->n, .dt = dt, .overlap = c->overlap, .vn = c->vn,
-                              .mass = c->mass, .fn = c->fn, .work = c->work};
+    struct calx_contacts v = {.size = sizeof v, .overlap = c->overlap, .vn = c->vn, .mass = c->mass, .fn = c->fn,
+                              .work = c->work};
     for (int k = 0; k < 2; k++) {
         v.curvature[k] = needs & CALX_NEEDS_CURVATURE ? c->curvature[k] : NULL;
         v.temperature[k] = needs & CALX_NEEDS_TEMPERATURE ? c->temperature[k] : NULL;
@@ -98,34 +98,49 @@ static struct calx_contacts view(const struct calx_plan *p, uint32_t needs, doub
     return v;
 }
 
+static void make_views(const struct calx_plan *p, struct calx_columns *c)
+{
+    for (size_t l = 0; l < p->law_count; l++) {
+        c->views[l] = view(p, p->laws[l].demand.needs, c);
+        c->views[l].history = c->law_history[l];
+    }
+    if (p->conductance)
+        c->views[p->law_count] = view(p, p->conductance_demand.needs, c);
+    c->viewed = p;
+}
+
 static void *pair_params(const struct calx_plugin *plugin, const char *params, size_t type)
 {
     return (void *)(params + plugin->params_size * type);
 }
 
-/* The history columns of a law as it asked for them for this pair type: vectors, then, after the vectors of the union, scalars. */
-static void history_columns(const struct calx_law *law, size_t type, struct calx_columns *c, double **out)
+/* The batch as law l sees it now. Its history columns are those that it asked for with this pair type: vectors, then, after the vectors of
+ * the union, scalars. */
+static const struct calx_contacts *present(const struct calx_plan *p, size_t l, size_t type, double dt,
+                                           struct calx_columns *c)
 {
+    c->views[l].n = c->n;
+    c->views[l].dt = dt;
+    if (l == p->law_count)
+        return &c->views[l];
+    const struct calx_law *law = &p->laws[l];
     const struct calx_demand *own = &law->own[type];
     size_t vectors = 3 * own->history_vectors, scalars = law->first_history + 3 * law->demand.history_vectors;
     for (size_t h = 0; h < vectors; h++)
-        out[h] = c->history[law->first_history + h];
+        c->law_history[l][h] = c->history[law->first_history + h];
     for (size_t h = 0; h < own->history_scalars; h++)
-        out[vectors + h] = c->history[scalars + h];
+        c->law_history[l][vectors + h] = c->history[scalars + h];
+    return &c->views[l];
 }
 
 static void run_laws(const struct calx_plan *p, size_t type, double dt, struct calx_columns *c,
                      struct calx_clock *clock)
 {
-    double *history[CALX_HISTORY_MAX];
     for (size_t l = 0; l < p->law_count; l++) {
         const struct calx_law *law = &p->laws[l];
-        struct calx_contacts v = view(p, law->demand.needs, dt, c);
-        history_columns(law, type, c, history);
-        v.history = history;
         if (p->cohesion && law->law->provides & CALX_COHESION)
             memcpy(c->coulomb, c->fn, sizeof c->coulomb);
-        law->law->force(pair_params(law->plugin, law->params, type), &v);
+        law->law->force(pair_params(law->plugin, law->params, type), present(p, l, type, dt, c));
         calx_timing_law(clock, l);
     }
 }
@@ -133,38 +148,38 @@ static void run_laws(const struct calx_plan *p, size_t type, double dt, struct c
 static void clear(calx_column *columns, size_t count, size_t n)
 {
     for (size_t k = 0; k < count; k++)
-        memset(columns[k], 0, n * sizeof(double));
+        for (size_t lane = 0; lane < n; lane += 8)
+            calx_v8_store(columns[k] + lane, (calx_v8){0});
 }
 
 void CALX_ISA(calx_evaluate_laws)(const struct calx_plan *p, size_t type, double dt, bool conduct,
                                   struct calx_columns *c, struct calx_clock *clock)
 {
-    size_t padded = calx_padded(c->n);
-    clear(&c->fn, 1, padded);
-    clear(&c->work, 1, padded);
+    if (c->viewed != p)
+        make_views(p, c);
+    clear(&c->fn, 1, c->n);
+    clear(&c->work, 1, c->n);
     if (p->needs & CALX_NEEDS_TANGENT)
-        clear(c->ft, 3, padded);
+        clear(c->ft, 3, c->n);
     if (p->needs & CALX_NEEDS_SPIN)
-        clear(c->torque, 3, padded);
+        clear(c->torque, 3, c->n);
     run_laws(p, type, dt, c, clock);
     if (conduct) {
         const struct calx_conductance_law *law = p->conductance->law;
-        struct calx_contacts v = view(p, p->conductance_demand.needs, dt, c);
-        law->conductance(pair_params(p->conductance, p->conductance_params, type), &v, c->conductance);
+        law->conductance(pair_params(p->conductance, p->conductance_params, type),
+                         present(p, p->law_count, type, dt, c), c->conductance);
         calx_timing_lap(clock, CALX_PHASE_CONDUCTANCE);
     }
 }
 
 void CALX_ISA(calx_evaluate_energy)(const struct calx_plan *p, size_t type, double dt, struct calx_columns *c)
 {
-    double *history[CALX_HISTORY_MAX];
-    memset(c->energy, 0, sizeof c->energy);
     struct calx_response response = {.size = sizeof response, .energy = c->energy};
+    if (c->viewed != p)
+        make_views(p, c);
+    memset(c->energy, 0, sizeof c->energy);
     for (size_t l = 0; l < p->law_count; l++) {
         const struct calx_law *law = &p->laws[l];
-        struct calx_contacts v = view(p, law->demand.needs, dt, c);
-        history_columns(law, type, c, history);
-        v.history = history;
-        law->law->response(pair_params(law->plugin, law->params, type), &v, &response);
+        law->law->response(pair_params(law->plugin, law->params, type), present(p, l, type, dt, c), &response);
     }
 }

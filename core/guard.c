@@ -16,8 +16,9 @@ static int not_finite(const struct calx_sim *s, struct calx_error *e)
 {
     for (size_t b = 0; b < s->block_count; b++)
         for (int32_t row = s->blocks[b].first; row < s->blocks[b].first + s->blocks[b].own; row++) {
-            const double *a = calx_row_a(s, row), *x = calx_row_x(s, row);
-            if (!isfinite(a[0] + a[1] + a[2]))
+            /* a block that went ahead has not kept its accelerations, but moved by them */
+            const double *a = calx_row_a(s, row), *v = calx_row_v(s, row), *x = calx_row_x(s, row);
+            if (!isfinite(a[0] + a[1] + a[2] + v[0] + v[1] + v[2]))
                 return calx_error_set(e, CALX_ERROR_PHYSICS,
                     "at t = %g s the force on particle %lld at (%g, %g, %g) m is not finite. The step is probably too "
                     "long for this stiffness: dt = %g s, stability limit %g s; reduce dt", s->time,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * One step of the integrator of temperature: staged, from the heat flows in the rows; or global, from the network of conductances that
- * the contact pass left, gathered in block order so that sums have a fixed order.
+ * One step of a global integrator of temperature, from the network of conductances that the contact pass left, gathered in block order so
+ * that sums have a fixed order; and the check of a staged one, whose step is made block by block (integrate.c).
  * Source: m c dT/dt = sum H (T_j - T_i) + dissipation.
  */
 #include <math.h>
@@ -30,29 +30,11 @@ static void release_store(struct calx_sim *s, const struct calx_row_block *b)
     }
 }
 
-static void keep_store(struct calx_sim *s)
+/* What walls gave in a step that was made block by block. */
+static void take_wall_heat(struct calx_sim *s)
 {
     for (size_t b = 0; b < s->block_count; b++)
-        for (int32_t k = 0; k < s->blocks[b].own; k++) {
-            int32_t row = s->blocks[b].first + k;
-            s->r.heat_store[row] += calx_row_a(s, row)[7] * s->plan->dt;
-        }
-}
-
-static void step_staged(struct calx_sim *s)
-{
-    const struct calx_plan *p = s->plan;
-#pragma omp parallel for schedule(static) num_threads(s->team) if (s->team > 1)
-    for (size_t b = 0; b < s->block_count; b++) {
-        const struct calx_row_block *block = &s->blocks[b];
-        release_store(s, block);
-        p->heat_law->advance(p->heat_params, (size_t)block->own, p->heat_dt,
-                             calx_row_v(s, block->first) + 7, s->r.stride,
-                             calx_row_a(s, block->first) + 7, s->r.stride,
-                             s->r.inverse_capacity + block->first);
-    }
-    for (size_t b = 0; b < s->block_count; b++)
-        s->wall_heat += (long double)s->tallies[b].wall_heat * (long double)p->heat_dt;
+        s->wall_heat += (long double)s->tallies[b].wall_heat * (long double)s->plan->heat_dt;
 }
 
 /* Arrays of the network, compact: node k is the k-th particle in order. */
@@ -160,14 +142,11 @@ int calx_heat_step(struct calx_sim *s, struct calx_error *e)
 {
     if (!s->plan->heat_law)
         return 0;
-    if (s->stage_step % s->plan->heat_every) {
-        if (s->scene->from_dissipation > 0.0)
-            keep_store(s);
+    if (s->stage_step % s->plan->heat_every)
         return 0;
-    }
     if (s->plan->global_heat)
         return step_global(s, e);
-    step_staged(s);
+    take_wall_heat(s);
     return 0;
 }
 

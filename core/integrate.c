@@ -1,131 +1,188 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Runs the stages of the integrator of motion over the rows of one block, and, between, collects what earlier blocks left on their copies of
- * its particles and turns forces into accelerations: a = F/m + g, angular a = torque/I. A fixed body has 1/m = 0 and
- * does not accelerate.
+ * What follows the forces of one block: collects what earlier blocks left on their copies of its particles, turns forces into
+ * accelerations, a = F/m + g, angular a = torque/I, and runs the kernels of the integrators of motion and temperature. All of it goes over
+ * a few rows at a time, which stay in the nearest cache from one kernel to the next. A fixed body has 1/m = 0 and does not accelerate.
  */
 #include "core/columns.h"
 #include "core/timing.h"
 #include "core/vector.h"
 
-static struct calx_rows translation_rows(struct calx_sim *s, const struct calx_row_block *b, double **extra)
+enum { AT_A_TIME = 32 }; /* rows */
+
+/* Some rows of a block; a: their accelerations. */
+struct part {
+    struct calx_sim *s;
+    size_t first, n; /* rows of the layout */
+    double *a;
+};
+
+static struct calx_rows translation_rows(const struct part *p, double **extra)
 {
+    struct calx_sim *s = p->s;
     double dt = s->plan->dt;
     for (size_t k = 0; k < CALX_EXTRA_MAX; k++)
-        extra[k] = s->r.extra[k] ? s->r.extra[k] + 4 * (size_t)b->first : NULL;
-    return (struct calx_rows){.size = sizeof(struct calx_rows), .n = (size_t)b->own, .stride = s->r.stride,
+        extra[k] = s->r.extra[k] ? s->r.extra[k] + 4 * p->first : NULL;
+    return (struct calx_rows){.size = sizeof(struct calx_rows), .n = p->n, .stride = s->r.stride,
                               .dt = {dt, dt, s->scene->dimension == 3 ? dt : 0.0, 0.0},
-                              .x = calx_row_x(s, b->first), .v = calx_row_v(s, b->first),
-                              .a = calx_row_a(s, b->first), .extra = extra};
+                              .x = s->r.x + 4 * p->first, .v = s->r.v + s->r.stride * p->first,
+                              .a = p->a, .extra = extra};
 }
 
-static struct calx_rows rotation_rows(struct calx_sim *s, const struct calx_row_block *b, double **extra)
+static struct calx_rows rotation_rows(const struct part *p, double **extra)
 {
+    struct calx_sim *s = p->s;
     double dt = s->plan->dt, in_plane = s->scene->dimension == 3 ? dt : 0.0;
     for (size_t k = 0; k < CALX_EXTRA_MAX; k++)
-        extra[k] = s->r.extra[CALX_EXTRA_MAX + k] ? s->r.extra[CALX_EXTRA_MAX + k] + 4 * (size_t)b->first
-                                                  : NULL;
-    return (struct calx_rows){.size = sizeof(struct calx_rows), .n = (size_t)b->own, .stride = s->r.stride,
-                              .dt = {in_plane, in_plane, dt, 0.0}, .v = calx_row_v(s, b->first) + 4,
-                              .a = calx_row_a(s, b->first) + 4, .extra = extra};
+        extra[k] = s->r.extra[CALX_EXTRA_MAX + k] ? s->r.extra[CALX_EXTRA_MAX + k] + 4 * p->first : NULL;
+    return (struct calx_rows){.size = sizeof(struct calx_rows), .n = p->n, .stride = s->r.stride,
+                              .dt = {in_plane, in_plane, dt, 0.0}, .v = s->r.v + s->r.stride * p->first + 4,
+                              .a = p->a + 4, .extra = extra};
 }
 
-static double largest_speed2(const struct calx_sim *s, const struct calx_row_block *b)
+static void run(const struct part *p, void (*translation)(const void *, const struct calx_rows *),
+                void (*rotation)(const void *, const struct calx_rows *))
+{
+    double *extra[CALX_EXTRA_MAX];
+    struct calx_rows rows = translation_rows(p, extra);
+    if (translation)
+        translation(p->s->plan->motion_params, &rows);
+    if (!p->s->features.rotation || !rotation)
+        return;
+    rows = rotation_rows(p, extra);
+    rotation(p->s->plan->motion_params, &rows);
+}
+
+static double largest_speed2(const struct part *p)
 {
     double largest = 0.0;
-    const double *v = calx_row_v(s, b->first);
-    for (size_t i = 0; i < (size_t)b->own; i++, v += s->r.stride) {
+    const double *v = p->s->r.v + p->s->r.stride * p->first;
+    for (size_t i = 0; i < p->n; i++, v += p->s->r.stride) {
         double speed2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
         largest = speed2 > largest ? speed2 : largest;
     }
     return largest;
 }
 
+static double before(const struct part *p, size_t stage)
+{
+    const struct calx_motion_integrator *law = p->s->plan->motion_law;
+    run(p, law->translation[stage].before, law->rotation[stage].before);
+    return largest_speed2(p);
+}
+
+/* The rows of a block from `row` on, counted from its first; a: of the block. */
+static struct part part_of(struct calx_sim *s, const struct calx_row_block *b, size_t row, double *a)
+{
+    size_t left = (size_t)b->own - row;
+    return (struct part){.s = s, .first = (size_t)b->first + row, .n = left < AT_A_TIME ? left : AT_A_TIME,
+                         .a = a + s->r.stride * row};
+}
+
 double CALX_ISA(calx_block_before)(struct calx_sim *s, size_t block, size_t stage)
 {
     const struct calx_row_block *b = &s->blocks[block];
-    const struct calx_motion_integrator *law = s->plan->motion_law;
     struct calx_clock *clock = calx_timing_clock(s);
-    double *extra[CALX_EXTRA_MAX];
+    double largest = 0.0;
     calx_timing_restart(clock);
-    struct calx_rows rows = translation_rows(s, b, extra);
-    if (law->translation[stage].before)
-        law->translation[stage].before(s->plan->motion_params, &rows);
-    if (s->features.rotation && law->rotation[stage].before) {
-        rows = rotation_rows(s, b, extra);
-        law->rotation[stage].before(s->plan->motion_params, &rows);
+    for (size_t row = 0; row < (size_t)b->own; row += AT_A_TIME) {
+        struct part p = part_of(s, b, row, calx_row_a(s, b->first));
+        double speed2 = before(&p, stage);
+        largest = speed2 > largest ? speed2 : largest;
     }
-    double speed2 = largest_speed2(s, b);
     calx_timing_lap(clock, CALX_PHASE_INTEGRATE);
-    return speed2;
+    return largest;
 }
 
-static void collect_ghosts(struct calx_sim *s, const struct calx_row_block *b)
+static void collect_ghosts(struct calx_sim *s, const struct calx_row_block *b, double *a)
 {
     for (size_t k = b->collect_first; k < b->collect_first + b->collect_count; k++) {
-        double *to = calx_row_a(s, s->collect_to[k]);
+        double *to = a + s->r.stride * (size_t)(s->collect_to[k] - b->first);
         const double *from = calx_row_a(s, s->collect_from[k]);
         for (size_t lane = 0; lane < s->r.stride; lane += 4)
             calx_v4_add(to + lane, calx_v4_load(from + lane));
     }
 }
 
-/* Rows of eight: the second half holds torque and heat flow, which stays. */
-static double accelerate_full(struct calx_sim *s, const struct calx_row_block *b)
+/* Rows of eight: the second half holds torque and heat flow, which stays. Adds 0 to `finite`, or NaN. */
+static calx_v8 accelerate_full(const struct part *p, calx_v8 finite)
 {
     static const calx_v8 linear = {1, 1, 1, 0, 0, 0, 0, 0}, angular = {0, 0, 0, 0, 1, 1, 1, 0},
                          heat = {0, 0, 0, 0, 0, 0, 0, 1};
+    const struct calx_sim *s = p->s;
     const calx_v8 g = {s->gravity[0], s->gravity[1], s->gravity[2], 0, 0, 0, 0, 0};
+    const double *x = s->r.x + 4 * p->first, *v = s->r.v + 8 * p->first;
     double inertia = 1.0 / calx_particle_inertia_factor(s->scene);
-    calx_v8 finite = {0};
-    for (int32_t i = b->first; i < b->first + b->own; i++) {
-        double *a = calx_row_a(s, i), inverse_mass = calx_row_v(s, i)[3], radius = calx_row_x(s, i)[3];
+    for (size_t i = 0; i < p->n; i++) {
+        double *a = p->a + 8 * i, inverse_mass = v[8 * i + 3], radius = x[4 * i + 3];
         double inverse_inertia = inertia * inverse_mass / (radius * radius);
         calx_v8 scale = linear * inverse_mass + angular * inverse_inertia + heat;
         calx_v8 result = scale * calx_v8_load(a) + (inverse_mass > 0.0 ? 1.0 : 0.0) * g;
         finite += 0.0 * result;
         calx_v8_store(a, result);
     }
-    return ((finite[0] + finite[4]) + (finite[2] + finite[6])) + ((finite[1] + finite[5]) + (finite[3] + finite[7]));
+    return finite;
 }
 
-static double accelerate_half(struct calx_sim *s, const struct calx_row_block *b)
+static calx_v8 accelerate_half(const struct part *p, calx_v8 finite)
 {
     static const calx_v4 linear = {1, 1, 1, 0};
+    const struct calx_sim *s = p->s;
     const calx_v4 g = {s->gravity[0], s->gravity[1], s->gravity[2], 0};
-    calx_v4 finite = {0};
-    for (int32_t i = b->first; i < b->first + b->own; i++) {
-        double *a = calx_row_a(s, i), inverse_mass = calx_row_v(s, i)[3];
+    calx_v4 sum = {0};
+    for (size_t i = 0; i < p->n; i++) {
+        double *a = p->a + 4 * i, inverse_mass = s->r.v[4 * (p->first + i) + 3];
         calx_v4 result = linear * inverse_mass * calx_v4_load(a) + (inverse_mass > 0.0 ? 1.0 : 0.0) * g;
-        finite += 0.0 * result;
+        sum += 0.0 * result;
         calx_v4_store(a, result);
     }
-    return (finite[0] + finite[2]) + (finite[1] + finite[3]);
+    return finite + calx_v8_join(sum, sum);
 }
 
-static void after(struct calx_sim *s, const struct calx_row_block *b, size_t stage)
+/* A step of the staged integrator of temperature, with the heat of dissipation that waited for it. */
+static void warm(const struct part *p)
 {
-    const struct calx_motion_integrator *law = s->plan->motion_law;
-    double *extra[CALX_EXTRA_MAX];
-    struct calx_rows rows = translation_rows(s, b, extra);
-    if (law->translation[stage].after)
-        law->translation[stage].after(s->plan->motion_params, &rows);
-    if (s->features.rotation && law->rotation[stage].after) {
-        rows = rotation_rows(s, b, extra);
-        law->rotation[stage].after(s->plan->motion_params, &rows);
+    const struct calx_sim *s = p->s;
+    const struct calx_plan *plan = s->plan;
+    double *store = s->r.heat_store ? s->r.heat_store + p->first : NULL;
+    for (size_t i = 0; store && i < p->n; i++) {
+        p->a[8 * i + 7] += store[i] / plan->heat_dt;
+        store[i] = 0.0;
     }
+    plan->heat_law->advance(plan->heat_params, p->n, plan->heat_dt, s->r.v + 8 * p->first + 7, 8, p->a + 7, 8,
+                            s->r.inverse_capacity + p->first);
 }
 
-void CALX_ISA(calx_block_finish)(struct calx_sim *s, size_t block, int stage, bool ahead)
+static void store_heat(const struct part *p)
+{
+    for (size_t i = 0; i < p->n; i++)
+        p->s->r.heat_store[p->first + i] += p->a[8 * i + 7] * p->s->plan->dt;
+}
+
+void CALX_ISA(calx_block_finish)(struct calx_sim *s, size_t block, const struct calx_pass *pass, double *a)
 {
     const struct calx_row_block *b = &s->blocks[block];
+    const struct calx_motion_integrator *law = s->plan->motion_law;
     struct calx_clock *clock = calx_timing_clock(s);
+    calx_v8 finite = {0};
+    double largest = 0.0;
     calx_timing_restart(clock);
-    collect_ghosts(s, b);
-    s->tallies[block].finite = s->r.stride == 8 ? accelerate_full(s, b) : accelerate_half(s, b);
-    if (stage >= 0)
-        after(s, b, (size_t)stage);
+    collect_ghosts(s, b, a);
+    for (size_t row = 0; row < (size_t)b->own; row += AT_A_TIME) {
+        struct part p = part_of(s, b, row, a);
+        finite = s->r.stride == 8 ? accelerate_full(&p, finite) : accelerate_half(&p, finite);
+        if (pass->stage >= 0)
+            run(&p, law->translation[pass->stage].after, law->rotation[pass->stage].after);
+        if (pass->warm)
+            warm(&p);
+        else if (pass->store)
+            store_heat(&p);
+        if (pass->ahead) {
+            double speed2 = before(&p, 0);
+            largest = speed2 > largest ? speed2 : largest;
+        }
+    }
+    s->tallies[block].finite = calx_v8_sum(finite);
+    s->tallies[block].speed2 = largest;
     calx_timing_lap(clock, CALX_PHASE_INTEGRATE);
-    if (ahead)
-        s->tallies[block].speed2 = CALX_ISA(calx_block_before)(s, block, 0);
 }

@@ -83,7 +83,7 @@ static int find_pairs(struct calx_rebuild *r)
         in.low[k] = s->scene->low[k];
         in.length[k] = s->scene->high[k] - s->scene->low[k];
     }
-    return calx_pairs_find(&in, r->found) || calx_localise(r);
+    return s->engine->find_pairs(&in, r->found) || calx_localise(r);
 }
 
 /* Makes the group of one pair type in the block under way; the first type has one always, for the place where its block's pairs begin. */
@@ -284,6 +284,22 @@ static int resize_tallies(struct calx_sim *s)
     return !s->tallies || !s->block_wall_force;
 }
 
+/* Rows of accelerations of the largest block, for each thread. */
+static int resize_forces(struct calx_sim *s)
+{
+    size_t rows = 0;
+    int failed = 0;
+    for (size_t b = 0; b < s->block_count; b++) {
+        size_t here = (size_t)(s->blocks[b].own + s->blocks[b].ghosts);
+        rows = here > rows ? here : rows;
+    }
+    for (int t = 0; t < s->threads; t++) {
+        free(s->forces[t]);
+        failed |= !(s->forces[t] = calx_memory_zeroed(rows * s->r.stride, sizeof **s->forces));
+    }
+    return failed;
+}
+
 static int resize_network(struct calx_sim *s)
 {
     if (!s->features.heat_network)
@@ -319,7 +335,7 @@ int calx_neighbours_build(struct calx_sim *s, struct calx_error *e)
     failed = failed || lay_out(&r) || list_contributions(&r);
     if (!failed) {
         exchange(&r);
-        failed = calx_near_build(s, &r) || resize_tallies(s) || resize_network(s);
+        failed = calx_near_build(s, &r) || resize_tallies(s) || resize_forces(s) || resize_network(s);
     }
     clear(&r, lists);
     if (failed)

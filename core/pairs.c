@@ -2,7 +2,8 @@
  *
  * Pair search with one cell grid per size class, so that the cost per pair does not grow with the size ratio: a particle of radius R
  * is in class floor(log2(R_max/R)), the cells of a class are as wide as its largest diameter plus the skin, and a
- * particle looks into the cells around it in the grid of its own class (partners later in order) and of every coarser class (all).
+ * particle looks into the cells around it in the grid of its own class (partners later in order) and of every coarser class (all),
+ * at eight candidates at a time.
  * Reference: hierarchical grids, e.g. Ogarko and Luding, Comput. Phys. Commun. 183 (2012) 931.
  */
 #include <float.h>
@@ -11,7 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/columns.h"
 #include "core/pairs.h"
+#include "core/vector.h"
 
 enum { CLASSES = 24 };
 
@@ -21,8 +24,9 @@ struct grid {
     int cells[3];
     double low[3], inverse[3];
     int32_t *start;  /* cells + 1 */
+    int32_t *last;   /* the latest member of each cell, -1 if empty */
     int32_t *index;  /* members by cell */
-    double *row;     /* their rows of four, by cell */
+    double *member[4]; /* their x, y, z, R, by cell */
 };
 
 struct search {
@@ -89,11 +93,15 @@ static int fill_grid(const struct search *s, int c, struct grid *g)
 {
     const struct calx_pairs_input *in = s->in;
     size_t cells = (size_t)g->cells[0] * g->cells[1] * g->cells[2];
+    bool there = true;
     g->start = calloc(cells + 2, sizeof *g->start);
-    g->index = malloc((g->members + 1) * sizeof *g->index);
-    g->row = malloc((g->members + 1) * 4 * sizeof *g->row);
-    if (!g->start || !g->index || !g->row)
+    g->last = malloc((cells + 1) * sizeof *g->last);
+    g->index = malloc((g->members + 8) * sizeof *g->index);
+    for (int k = 0; k < 4; k++)
+        there &= (g->member[k] = calx_memory_zeroed(g->members + 8, sizeof **g->member)) != NULL;
+    if (!g->start || !g->last || !g->index || !there)
         return 1;
+    memset(g->last, 0xff, (cells + 1) * sizeof *g->last);
     for (size_t i = 0; i < in->n; i++)
         if (s->class_of[i] == c)
             g->start[cell_of(g, in->x + 4 * i) + 2]++;
@@ -101,9 +109,11 @@ static int fill_grid(const struct search *s, int c, struct grid *g)
         g->start[k + 2] += g->start[k + 1];
     for (size_t i = 0; i < in->n; i++)
         if (s->class_of[i] == c) {
-            int32_t at = g->start[cell_of(g, in->x + 4 * i) + 1]++;
-            g->index[at] = (int32_t)i;
-            memcpy(g->row + 4 * (size_t)at, in->x + 4 * i, 4 * sizeof(double));
+            size_t cell = cell_of(g, in->x + 4 * i);
+            int32_t at = g->start[cell + 1]++;
+            g->last[cell] = g->index[at] = (int32_t)i;
+            for (int k = 0; k < 4; k++)
+                g->member[k][at] = in->x[4 * i + (size_t)k];
         }
     return 0;
 }
@@ -140,24 +150,34 @@ static int append(struct calx_found_list *l, struct calx_found f)
     return 0;
 }
 
-/* Squared distance of the nearest image of b from a, and the packed shift of that image. */
-static double image_distance2(const struct calx_pairs_input *in, const double *a, const double *b,
-                              uint8_t *shift)
+/* The packed shift of the image of member m that is nearest to a. */
+static uint8_t shift_of(const struct calx_pairs_input *in, const double *a, const struct grid *g, size_t m)
 {
     static const int weight[3] = {1, 3, 9};
-    double d2 = 0.0;
     int packed = CALX_NO_SHIFT;
     for (int k = 0; k < 3; k++) {
-        double d = a[k] - b[k];
-        if (in->periodic[k]) { /* both are inside the box: at most one turn apart */
-            int turns = (d > 0.5 * in->length[k]) - (d < -0.5 * in->length[k]);
-            d -= turns * in->length[k];
-            packed += weight[k] * turns;
-        }
-        d2 += d * d;
+        double d = a[k] - g->member[k][m];
+        if (in->periodic[k]) /* both are inside the box: at most one turn apart */
+            packed += weight[k] * ((d > 0.5 * in->length[k]) - (d < -0.5 * in->length[k]));
     }
-    *shift = (uint8_t)packed;
-    return d2;
+    return (uint8_t)packed;
+}
+
+/* Bit k is set where the nearest image of member first + k is within reach of a. */
+static inline unsigned within(const struct calx_pairs_input *in, const double *a, double reach, const struct grid *g,
+                              size_t first)
+{
+    calx_v8 square = {0}, radius = calx_v8_load_unaligned(g->member[3] + first) + reach;
+    for (int k = 0; k < 3; k++) {
+        calx_v8 d = a[k] - calx_v8_load_unaligned(g->member[k] + first);
+        if (in->periodic[k]) {
+            calx_v8 half = (calx_v8){0} + 0.5 * in->length[k], zero = {0};
+            d -= calx_v8_positive(d - half, zero + in->length[k], zero);
+            d += calx_v8_positive(-half - d, zero + in->length[k], zero);
+        }
+        square += d * d;
+    }
+    return calx_v8_less(square, radius * radius);
 }
 
 static uint8_t opposite(uint8_t shift)
@@ -171,19 +191,21 @@ static int match(const struct search *s, const struct grid *g, int32_t i, bool l
 {
     const struct calx_pairs_input *in = s->in;
     const double *a = in->x + 4 * (size_t)i;
-    double reach = a[3] + in->skin;
-    for (int32_t m = first; m < last; m++) {
-        int32_t j = g->index[m];
-        const double *b = g->row + 4 * (size_t)m;
-        uint8_t shift;
-        double r = reach + b[3];
-        if ((later && j <= i) || image_distance2(in, a, b, &shift) >= r * r)
-            continue;
-        struct calx_found f = {i, j, shift};
-        if (j < i)
-            f = (struct calx_found){j, i, opposite(shift)};
-        if (append(out, f))
-            return 1;
+    for (int32_t m = first; m < last; m += 8) {
+        unsigned bits = within(in, a, a[3] + in->skin, g, (size_t)m);
+        bits &= last - m < 8 ? (1u << (last - m)) - 1 : 0xffu;
+        for (; bits; bits &= bits - 1) {
+            size_t at = (size_t)m + (size_t)__builtin_ctz(bits);
+            int32_t j = g->index[at];
+            if (later && j <= i)
+                continue;
+            uint8_t shift = shift_of(in, a, g, at);
+            struct calx_found f = {i, j, shift};
+            if (j < i)
+                f = (struct calx_found){j, i, opposite(shift)};
+            if (append(out, f))
+                return 1;
+        }
     }
     return 0;
 }
@@ -211,6 +233,7 @@ static int search_grid(const struct search *s, const struct grid *g, int32_t i, 
                        struct calx_found_list *out)
 {
     const double *a = s->in->x + 4 * (size_t)i;
+    int32_t from = later ? i + 1 : 0; /* cells without a later member are passed over */
     int cx[3], cy[3], cz[3];
     int nx = axis_cells(s, g, 0, a[0], cx), ny = axis_cells(s, g, 1, a[1], cy),
         nz = axis_cells(s, g, 2, a[2], cz);
@@ -218,8 +241,10 @@ static int search_grid(const struct search *s, const struct grid *g, int32_t i, 
         for (int y = 0; y < ny; y++) {
             size_t line = ((size_t)cz[z] * g->cells[1] + cy[y]) * g->cells[0];
             for (int x = 0; x < nx; x++) {
+                if (g->last[line + cx[x]] < from)
+                    continue;
                 int run = 1; /* neighbouring cells of a line are one range */
-                while (x + run < nx && cx[x + run] == cx[x] + run)
+                while (x + run < nx && cx[x + run] == cx[x] + run && g->last[line + cx[x + run]] >= from)
                     run++;
                 if (match(s, g, i, later, g->start[line + cx[x]], g->start[line + cx[x] + run], out))
                     return 1;
@@ -258,7 +283,7 @@ static int redistribute(size_t blocks, size_t block, struct calx_found_list *lis
     return 0;
 }
 
-int calx_pairs_find(const struct calx_pairs_input *in, struct calx_found_list *lists)
+int CALX_ISA(calx_pairs_find)(const struct calx_pairs_input *in, struct calx_found_list *lists)
 {
     struct search s = {.in = in, .class_of = malloc(in->n + 1)};
     size_t blocks = (in->n + in->block - 1) / in->block;
@@ -276,8 +301,10 @@ int calx_pairs_find(const struct calx_pairs_input *in, struct calx_found_list *l
         failed = redistribute(blocks, in->block, lists);
     for (int c = 0; c < CLASSES; c++) {
         free(s.grid[c].start);
+        free(s.grid[c].last);
         free(s.grid[c].index);
-        free(s.grid[c].row);
+        for (int k = 0; k < 4; k++)
+            free(s.grid[c].member[k]);
     }
     free(s.class_of);
     return failed;

@@ -34,8 +34,8 @@ struct calx_pairs_input {
     int threads;
 };
 
-/* lists: one per block, zeroed; the caller frees their arrays. In each list the order of pairs depends on the input alone.
+/* The engine's find_pairs. lists: one per block, zeroed; the caller frees their arrays. In each list the order of pairs depends on the input alone.
  * Returns 0, or 1 without memory. */
-int calx_pairs_find(const struct calx_pairs_input *, struct calx_found_list *lists);
+typedef int calx_pairs_finder(const struct calx_pairs_input *, struct calx_found_list *lists);
 
 #endif

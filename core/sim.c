@@ -13,10 +13,11 @@
 static int create_scratch(struct calx_sim *s, struct calx_error *e)
 {
     s->columns = calloc((size_t)s->threads, sizeof *s->columns);
-    for (int t = 0; s->columns && t < s->threads; t++)
+    s->forces = calloc((size_t)s->threads, sizeof *s->forces);
+    for (int t = 0; s->columns && s->forces && t < s->threads; t++)
         if (!(s->columns[t] = calx_memory_zeroed(1, sizeof **s->columns)))
             return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for threads");
-    return s->columns ? 0 : calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for threads");
+    return s->columns && s->forces ? 0 : calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for threads");
 }
 
 static int create_classes(struct calx_sim *s, struct calx_error *e)
@@ -33,7 +34,8 @@ static int first_forces(struct calx_sim *s, struct calx_error *e)
 {
     CALX_TRY(calx_step_begin_stage(s, 0, e));
     s->stage_began = false;
-    CALX_TRY(calx_step_forces(s, 0.0, s->plan->conductance != NULL, -1, false, e));
+    struct calx_pass pass = {.conduct = s->plan->conductance != NULL, .stage = -1};
+    CALX_TRY(calx_step_forces(s, &pass, e));
     double power = 0.0;
     for (size_t b = 0; b < s->block_count; b++)
         power += s->tallies[b].wall_power;
@@ -77,7 +79,10 @@ static void free_threads(struct calx_sim *s)
 {
     for (int t = 0; s->columns && t < s->threads; t++)
         free(s->columns[t]);
+    for (int t = 0; s->forces && t < s->threads; t++)
+        free(s->forces[t]);
     free(s->columns);
+    free(s->forces);
 }
 
 void calx_sim_free(struct calx_sim *s)

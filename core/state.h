@@ -13,6 +13,7 @@
 
 #include "core/calx.h"
 #include "core/measure.h"
+#include "core/pairs.h"
 
 enum {
     CALX_BLOCK = 1024,        /* own rows per block */
@@ -218,6 +219,7 @@ struct calx_sim {
 
     /* scratch, one per thread */
     struct calx_columns **columns;
+    double **forces;             /* rows of accelerations of the block under way, when they need not be kept */
 
     /* probes */
     uint8_t **classes;          /* per probe, by id; NULL if the probe has none */
@@ -234,16 +236,28 @@ struct calx_sink {
     void (*take)(void *context, const struct calx_columns *, size_t lane, int32_t row_i, int32_t row_j);
 };
 
+/* One force evaluation and what follows it. */
+struct calx_pass {
+    double dt;    /* s: of the step of motion that ends here, 0 if none does */
+    bool conduct;
+    int stage;    /* of the integrator of motion, whose kernel comes after; < 0: none */
+    bool ahead;   /* nobody looks before the next step: its kernel before comes as well */
+    bool warm;    /* the staged integrator of temperature makes its step */
+    bool store;   /* heat of dissipation waits for that step */
+};
+
 struct calx_engine {
-    void (*block_forces)(struct calx_sim *, size_t block, double dt, bool conduct);
+    /* a: rows of accelerations of the block, ghosts included, to be filled with forces, couples and heat flows. */
+    void (*block_forces)(struct calx_sim *, size_t block, const struct calx_pass *, double *a);
     /* Sorts out which pairs may touch before bodies have approached by `inner` (m); false if a group has no room for them. */
     bool (*block_sift)(struct calx_sim *, size_t block, double inner);
     void (*block_energy)(struct calx_sim *, size_t block, double *energy);
     /* The stage's kernels before the evaluation; returns the square of the largest speed. */
     double (*block_before)(struct calx_sim *, size_t block, size_t stage);
-    /* Of one block, once every block that adds to it has its forces: ghosts' forces to their particles, forces to accelerations, the
-     * stage's kernel after the evaluation (stage < 0: none) and, if nobody looks at the state in between, the next step's before. */
-    void (*block_finish)(struct calx_sim *, size_t block, int stage, bool ahead);
+    /* Of one block, once every block that adds to it has its forces (in a): ghosts' forces to their particles, forces to accelerations,
+     * the kernels that follow. */
+    void (*block_finish)(struct calx_sim *, size_t block, const struct calx_pass *, double *a);
+    calx_pairs_finder *find_pairs;
     /* Shows each touching contact with its present forces; changes nothing. */
     void (*block_network)(struct calx_sim *, size_t block, const struct calx_sink *);
 };
@@ -293,7 +307,7 @@ struct calx_touch { double distance, normal[3], point[3]; bool end; };
 void calx_surface_nearest(const struct calx_primitive *, uint32_t dimension, const double x[3], struct calx_touch *);
 
 /* heat.c */
-int calx_heat_step(struct calx_sim *, struct calx_error *); /* after the forces of step s->stage_step */
+int calx_heat_step(struct calx_sim *, struct calx_error *); /* after the forces of step s->stage_step: what is not done block by block */
 int calx_heat_check(struct calx_sim *, struct calx_error *); /* fails if the heat step is unstable: max sum H/C, Gershgorin */
 
 /* ledger.c */
@@ -306,9 +320,8 @@ int calx_guard_step(struct calx_sim *, struct calx_error *);
 int calx_guard_left(const struct calx_sim *, int32_t row, int axis, struct calx_error *);
 
 /* step.c */
-/* All forces at the present positions, then accelerations and the stage's kernel after (stage < 0: none). dt: of the step that ends
- * here, 0 if none does. */
-int calx_step_forces(struct calx_sim *, double dt, bool conduct, int stage, bool ahead, struct calx_error *);
+/* All forces at the present positions, then accelerations and what follows. */
+int calx_step_forces(struct calx_sim *, const struct calx_pass *, struct calx_error *);
 int calx_step_begin_stage(struct calx_sim *, int stage, struct calx_error *);
 
 /* rows.c: the id of the body of a row, own or ghost. */

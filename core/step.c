@@ -29,32 +29,33 @@ static void swap_wall_contacts(struct calx_sim *s)
 /* The blocks of one thread, in order. A block is finished while it is in cache, as soon as the blocks that add to it are done; those that
  * wait for another thread's blocks come after the barrier. Nobody reads a block's rows once the blocks that add to it are done:
  * they are the ones that keep copies of it. */
-static void sweep_part(struct calx_sim *s, double dt, bool conduct, int stage, bool ahead, size_t me,
-                       size_t team)
+static void sweep_part(struct calx_sim *s, const struct calx_pass *pass, size_t me, size_t team)
 {
     size_t first = s->block_count * me / team, last = s->block_count * (me + 1) / team;
     for (size_t b = first; b < last; b++) {
-        s->engine->block_forces(s, b, dt, conduct);
-        if (s->blocks[b].earliest >= first)
-            s->engine->block_finish(s, b, stage, ahead);
+        bool finish = s->blocks[b].earliest >= first;
+        double *a = finish && pass->ahead ? s->forces[me] : calx_row_a(s, s->blocks[b].first);
+        s->engine->block_forces(s, b, pass, a);
+        if (finish)
+            s->engine->block_finish(s, b, pass, a);
     }
     if (team == 1)
         return;
 #pragma omp barrier
     for (size_t b = first; b < last; b++)
         if (s->blocks[b].earliest < first)
-            s->engine->block_finish(s, b, stage, ahead);
+            s->engine->block_finish(s, b, pass, calx_row_a(s, s->blocks[b].first));
 }
 
 /* A parallel region costs microseconds even for one thread: a scene of one block does without. */
-static void sweep(struct calx_sim *s, double dt, bool conduct, int stage, bool ahead)
+static void sweep(struct calx_sim *s, const struct calx_pass *pass)
 {
     if (s->team <= 1) {
-        sweep_part(s, dt, conduct, stage, ahead, 0, 1);
+        sweep_part(s, pass, 0, 1);
         return;
     }
 #pragma omp parallel num_threads(s->team)
-    sweep_part(s, dt, conduct, stage, ahead, (size_t)omp_get_thread_num(), (size_t)omp_get_num_threads());
+    sweep_part(s, pass, (size_t)omp_get_thread_num(), (size_t)omp_get_num_threads());
 }
 
 /* Sorts out which of the pairs that are apart may touch soon; false if they find no room. */
@@ -91,11 +92,10 @@ static int keep_lists(struct calx_sim *s, struct calx_error *e)
     return 0;
 }
 
-int calx_step_forces(struct calx_sim *s, double dt, bool conduct, int stage, bool ahead,
-                     struct calx_error *e)
+int calx_step_forces(struct calx_sim *s, const struct calx_pass *pass, struct calx_error *e)
 {
     CALX_TRY(keep_lists(s, e));
-    sweep(s, dt, conduct, stage, ahead);
+    sweep(s, pass);
     if (s->features.wall_contacts)
         swap_wall_contacts(s);
     return 0;
@@ -155,9 +155,13 @@ static void go_before(struct calx_sim *s, size_t stage)
     take_speed(s, largest);
 }
 
-static bool heat_due(const struct calx_sim *s)
+/* The evaluation at the end of the step under way. */
+static struct calx_pass pass_of_step(const struct calx_sim *s, double dt, int stage, bool ahead)
 {
-    return s->plan->conductance && (s->stage_step + 1) % s->plan->heat_every == 0;
+    const struct calx_plan *p = s->plan;
+    bool due = (s->stage_step + 1) % p->heat_every == 0, staged = p->heat_law && !p->global_heat;
+    return (struct calx_pass){.dt = dt, .conduct = p->conductance && due, .stage = stage, .ahead = ahead,
+                              .warm = staged && due, .store = p->heat_law && !due && s->scene->from_dissipation > 0.0};
 }
 
 static int advance_motion(struct calx_sim *s, double t, bool ahead, struct calx_error *e)
@@ -171,7 +175,8 @@ static int advance_motion(struct calx_sim *s, double t, bool ahead, struct calx_
         s->ahead = ahead;
         if (stage == 0)
             calx_walls_move(s, t, dt);
-        CALX_TRY(calx_step_forces(s, stage == 0 ? dt : 0.0, heat_due(s), (int)stage, ahead, e));
+        struct calx_pass pass = pass_of_step(s, stage == 0 ? dt : 0.0, (int)stage, ahead);
+        CALX_TRY(calx_step_forces(s, &pass, e));
         if (stage == 0)
             calx_ledger_step(s, dt);
     }
@@ -182,8 +187,8 @@ static int advance_motion(struct calx_sim *s, double t, bool ahead, struct calx_
 static int advance_frozen(struct calx_sim *s, double t, struct calx_error *e)
 {
     calx_walls_move(s, t, s->plan->dt);
-    CALX_TRY(calx_step_forces(s, 0.0, heat_due(s), -1, false, e));
-    return 0;
+    struct calx_pass pass = pass_of_step(s, 0.0, -1, false);
+    return calx_step_forces(s, &pass, e);
 }
 
 static bool condition_holds(struct calx_sim *s)
@@ -227,7 +232,7 @@ static int change_models(struct calx_sim *s, const struct calx_plan *plan, struc
     s->built = false;
     if (!s->pairs.history)
         return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for contact history");
-    CALX_TRY(calx_step_forces(s, 0.0, false, -1, false, e));
+    CALX_TRY(calx_step_forces(s, &(struct calx_pass){.stage = -1}, e));
     s->outside_work += calx_ledger_mechanical(s) - before;
     return 0;
 }

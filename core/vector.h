@@ -55,6 +55,13 @@ static inline calx_v8 calx_v8_load(const double *p)
     return v;
 }
 
+static inline calx_v8 calx_v8_load_unaligned(const double *p)
+{
+    calx_v8 v;
+    memcpy(&v, p, sizeof v);
+    return v;
+}
+
 static inline void calx_v8_store(double *p, calx_v8 v)
 {
     memcpy(__builtin_assume_aligned(p, 64), &v, sizeof v);

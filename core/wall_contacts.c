@@ -28,6 +28,7 @@ struct wall_batch {
     const struct calx_row_block *block;
     struct calx_tally *tally;
     struct calx_columns *c;
+    double *a;
     double dt;
     bool conduct;
     double *energy;
@@ -151,6 +152,11 @@ static void fill_lane(struct wall_batch *w, int32_t row, const struct candidate 
     w->row[lane] = row;
 }
 
+static double *row_a(const struct wall_batch *w, size_t lane)
+{
+    return w->a + w->s->r.stride * (size_t)(w->row[lane] - w->block->first);
+}
+
 static void add_wall_force(struct wall_batch *w, size_t lane)
 {
     struct calx_sim *s = w->s;
@@ -179,7 +185,7 @@ static void add_conduction(struct wall_batch *w, size_t lane)
         return;
     }
     double q = h * (c->temperature[1][lane] - c->temperature[0][lane]);
-    calx_row_a(s, w->row[lane])[7] += q;
+    row_a(w, lane)[7] += q;
     w->tally->wall_heat += q;
 }
 
@@ -188,7 +194,7 @@ static void add_lane(struct wall_batch *w, size_t lane)
     struct calx_sim *s = w->s;
     struct calx_columns *c = w->c;
     const struct calx_plan *plan = s->plan;
-    double *a = calx_row_a(s, w->row[lane]), depth = c->overlap[lane] * c->curvature[0][lane];
+    double *a = row_a(w, lane), depth = c->overlap[lane] * c->curvature[0][lane];
     for (int k = 0; k < 3; k++) {
         a[k] += c->force[k][lane];
         if (plan->needs & CALX_NEEDS_ROTATION)
@@ -310,11 +316,11 @@ static void process_particle(struct wall_batch *w, int32_t row, struct candidate
             push_ended(w, row, list, count, k);
 }
 
-void CALX_ISA(calx_wall_contacts)(struct calx_sim *s, size_t block, double dt, bool conduct,
+void CALX_ISA(calx_wall_contacts)(struct calx_sim *s, size_t block, double dt, bool conduct, double *a,
                                   struct calx_columns *c, double *energy, const struct calx_sink *sink)
 {
     struct calx_row_block *b = &s->blocks[block];
-    struct wall_batch w = {.s = s, .block = b, .tally = &s->tallies[block], .c = c, .dt = dt,
+    struct wall_batch w = {.s = s, .block = b, .tally = &s->tallies[block], .c = c, .a = a, .dt = dt,
                            .conduct = conduct, .energy = energy, .sink = sink,
                            .look = energy || sink};
     struct candidate list[NEAR_MAX];

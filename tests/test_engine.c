@@ -257,7 +257,7 @@ static void place(const struct run *r, const double to[2][3], const double spin[
             v[4 + k] = spin[k];
         }
     }
-    r->sim->engine->block_forces(r->sim, 0, dt, false);
+    r->sim->engine->block_forces(r->sim, 0, &(struct calx_pass){.dt = dt, .stage = -1}, r->sim->r.a);
 }
 
 /* p turned by `angle` about the unit axis u through the origin (Rodrigues). */

@@ -91,7 +91,7 @@ static size_t search(const struct random_scene *s, int threads, struct calx_foun
                                   .length = {1, 1, 1},
                                   .threads = threads};
     memcpy(in.periodic, s->periodic, sizeof in.periodic);
-    ck_assert_int_eq(calx_pairs_find(&in, lists), 0);
+    ck_assert_int_eq(calx_engine_pick(NULL)->find_pairs(&in, lists), 0);
     for (size_t b = 0; b < blocks; b++) {
         for (size_t k = 0; k < lists[b].count; k++) {
             if ((size_t)lists[b].list[k].i / BLOCK != b)
