@@ -8,56 +8,65 @@
 #include "core/timing.h"
 #include "core/vector.h"
 
-enum { AT_A_TIME = 32 }; /* rows */
+enum { AT_A_TIME = 64 }; /* rows */
 
-/* Some rows of a block; a: their accelerations. */
+/* Some rows of a block as the kernels see them: all of them, then, where they begin, a few at a time. */
 struct part {
     struct calx_sim *s;
     size_t first, n; /* rows of the layout */
-    double *a;
+    double *a;       /* their accelerations */
+    struct calx_rows translation, rotation;
+    double *extra[2 * CALX_EXTRA_MAX];
 };
 
-static struct calx_rows translation_rows(const struct part *p, double **extra)
+static void part_begin(struct part *p, struct calx_sim *s)
 {
-    struct calx_sim *s = p->s;
-    double dt = s->plan->dt;
-    for (size_t k = 0; k < CALX_EXTRA_MAX; k++)
-        extra[k] = s->r.extra[k] ? s->r.extra[k] + 4 * p->first : NULL;
-    return (struct calx_rows){.size = sizeof(struct calx_rows), .n = p->n, .stride = s->r.stride,
-                              .dt = {dt, dt, s->scene->dimension == 3 ? dt : 0.0, 0.0},
-                              .x = s->r.x + 4 * p->first, .v = s->r.v + s->r.stride * p->first,
-                              .a = p->a, .extra = extra};
+    double dt = s->plan->dt, across = s->scene->dimension == 3 ? dt : 0.0; /* z, and spins about x and y */
+    *p = (struct part){.s = s,
+        .translation = {.size = sizeof(struct calx_rows), .stride = s->r.stride,
+                        .dt = {dt, dt, across, 0.0, across, across, dt, 0.0}, .extra = p->extra},
+        .rotation = {.size = sizeof(struct calx_rows), .stride = s->r.stride, .dt = {across, across, dt, 0.0},
+                     .extra = p->extra + CALX_EXTRA_MAX}};
 }
 
-static struct calx_rows rotation_rows(const struct part *p, double **extra)
+/* The rows of block b from `row` on, counted from its first; a: accelerations of the block. */
+static void part_at(struct part *p, const struct calx_row_block *b, size_t row, double *a)
 {
-    struct calx_sim *s = p->s;
-    double dt = s->plan->dt, in_plane = s->scene->dimension == 3 ? dt : 0.0;
-    for (size_t k = 0; k < CALX_EXTRA_MAX; k++)
-        extra[k] = s->r.extra[CALX_EXTRA_MAX + k] ? s->r.extra[CALX_EXTRA_MAX + k] + 4 * p->first : NULL;
-    return (struct calx_rows){.size = sizeof(struct calx_rows), .n = p->n, .stride = s->r.stride,
-                              .dt = {in_plane, in_plane, dt, 0.0}, .v = s->r.v + s->r.stride * p->first + 4,
-                              .a = p->a + 4, .extra = extra};
+    const struct calx_rows_arrays *r = &p->s->r;
+    size_t left = (size_t)b->own - row;
+    p->first = (size_t)b->first + row;
+    p->n = p->translation.n = p->rotation.n = left < AT_A_TIME ? left : AT_A_TIME;
+    p->a = a + r->stride * row;
+    p->translation.x = r->x + 4 * p->first;
+    p->translation.v = r->v + r->stride * p->first;
+    p->translation.a = p->a;
+    p->rotation.v = p->translation.v + 4;
+    p->rotation.a = p->a + 4;
+    for (size_t k = 0; k < 2 * CALX_EXTRA_MAX; k++)
+        p->extra[k] = r->extra[k] ? r->extra[k] + 4 * p->first : NULL;
 }
 
-static void run(const struct part *p, void (*translation)(const void *, const struct calx_rows *),
-                void (*rotation)(const void *, const struct calx_rows *))
+typedef void kernel(const void *, const struct calx_rows *);
+
+/* `whole`, if there is one, does what the two others do. */
+static void run(const struct part *p, kernel *whole, kernel *translation, kernel *rotation)
 {
-    double *extra[CALX_EXTRA_MAX];
-    struct calx_rows rows = translation_rows(p, extra);
-    if (translation)
-        translation(p->s->plan->motion_params, &rows);
-    if (!p->s->features.rotation || !rotation)
+    const void *params = p->s->plan->motion_params;
+    if (whole && p->s->features.rotation) {
+        whole(params, &p->translation);
         return;
-    rows = rotation_rows(p, extra);
-    rotation(p->s->plan->motion_params, &rows);
+    }
+    if (translation)
+        translation(params, &p->translation);
+    if (rotation && p->s->features.rotation)
+        rotation(params, &p->rotation);
 }
 
 static double largest_speed2(const struct part *p)
 {
     double largest = 0.0;
-    const double *v = p->s->r.v + p->s->r.stride * p->first;
-    for (size_t i = 0; i < p->n; i++, v += p->s->r.stride) {
+    const double *v = p->translation.v;
+    for (size_t i = 0; i < p->n; i++, v += p->translation.stride) {
         double speed2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
         largest = speed2 > largest ? speed2 : largest;
     }
@@ -67,26 +76,26 @@ static double largest_speed2(const struct part *p)
 static double before(const struct part *p, size_t stage)
 {
     const struct calx_motion_integrator *law = p->s->plan->motion_law;
-    run(p, law->translation[stage].before, law->rotation[stage].before);
+    run(p, law->whole ? law->whole[stage].before : NULL, law->translation[stage].before, law->rotation[stage].before);
     return largest_speed2(p);
 }
 
-/* The rows of a block from `row` on, counted from its first; a: of the block. */
-static struct part part_of(struct calx_sim *s, const struct calx_row_block *b, size_t row, double *a)
+static void after(const struct part *p, size_t stage)
 {
-    size_t left = (size_t)b->own - row;
-    return (struct part){.s = s, .first = (size_t)b->first + row, .n = left < AT_A_TIME ? left : AT_A_TIME,
-                         .a = a + s->r.stride * row};
+    const struct calx_motion_integrator *law = p->s->plan->motion_law;
+    run(p, law->whole ? law->whole[stage].after : NULL, law->translation[stage].after, law->rotation[stage].after);
 }
 
 double CALX_ISA(calx_block_before)(struct calx_sim *s, size_t block, size_t stage)
 {
     const struct calx_row_block *b = &s->blocks[block];
     struct calx_clock *clock = calx_timing_clock(s);
+    struct part p;
     double largest = 0.0;
     calx_timing_restart(clock);
+    part_begin(&p, s);
     for (size_t row = 0; row < (size_t)b->own; row += AT_A_TIME) {
-        struct part p = part_of(s, b, row, calx_row_a(s, b->first));
+        part_at(&p, b, row, calx_row_a(s, b->first));
         double speed2 = before(&p, stage);
         largest = speed2 > largest ? speed2 : largest;
     }
@@ -162,17 +171,18 @@ static void store_heat(const struct part *p)
 void CALX_ISA(calx_block_finish)(struct calx_sim *s, size_t block, const struct calx_pass *pass, double *a)
 {
     const struct calx_row_block *b = &s->blocks[block];
-    const struct calx_motion_integrator *law = s->plan->motion_law;
     struct calx_clock *clock = calx_timing_clock(s);
+    struct part p;
     calx_v8 finite = {0};
     double largest = 0.0;
     calx_timing_restart(clock);
     collect_ghosts(s, b, a);
+    part_begin(&p, s);
     for (size_t row = 0; row < (size_t)b->own; row += AT_A_TIME) {
-        struct part p = part_of(s, b, row, a);
+        part_at(&p, b, row, a);
         finite = s->r.stride == 8 ? accelerate_full(&p, finite) : accelerate_half(&p, finite);
         if (pass->stage >= 0)
-            run(&p, law->translation[pass->stage].after, law->rotation[pass->stage].after);
+            after(&p, (size_t)pass->stage);
         if (pass->warm)
             warm(&p);
         else if (pass->store)

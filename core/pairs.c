@@ -22,6 +22,7 @@ struct grid {
     size_t members;
     double reach; /* largest radius */
     int cells[3];
+    bool brief[3]; /* periodic with less than three cells: the nearest image is not that of the cell */
     double low[3], inverse[3];
     int32_t *start;  /* cells + 1 */
     int32_t *last;   /* the latest member of each cell, -1 if empty */
@@ -58,7 +59,8 @@ static void classify(struct search *s)
     }
 }
 
-/* Cells at least `width` wide, no more of them than about four per particle of the search. */
+/* Cells at least `width` wide, no more of them than about one per particle of the search: then a row of three cells in a thin gas fills no more
+ * than one group of eight candidates, as it does in a packing. */
 static void shape_grid(const struct search *s, struct grid *g, const double lo[3], const double hi[3])
 {
     const struct calx_pairs_input *in = s->in;
@@ -71,10 +73,11 @@ static void shape_grid(const struct search *s, struct grid *g, const double lo[3
             g->cells[k] = cells < 1.0 ? 1 : (int)cells;
             g->low[k] = in->periodic[k] ? in->low[k] : lo[k];
             g->inverse[k] = length > 0.0 ? g->cells[k] / length : 0.0;
+            g->brief[k] = in->periodic[k] && g->cells[k] < 3;
             total *= g->cells[k];
         }
         width *= 1.26;
-    } while (total > 4.0 * (double)g->members + 64.0);
+    } while (total > 1.0 * (double)g->members + 64.0);
 }
 
 static int cell_along(const struct grid *g, int k, double x)
@@ -150,27 +153,28 @@ static int append(struct calx_found_list *l, struct calx_found f)
     return 0;
 }
 
-/* The packed shift of the image of member m that is nearest to a. */
-static uint8_t shift_of(const struct calx_pairs_input *in, const double *a, const struct grid *g, size_t m)
+static const int shift_weight[3] = {1, 3, 9};
+
+/* The turns along the axes that are too short for three cells, packed: the nearest image of member m. */
+static int short_turns(const struct calx_pairs_input *in, const struct grid *g, const double *a, size_t m)
 {
-    static const int weight[3] = {1, 3, 9};
-    int packed = CALX_NO_SHIFT;
+    int packed = 0;
     for (int k = 0; k < 3; k++) {
         double d = a[k] - g->member[k][m];
-        if (in->periodic[k]) /* both are inside the box: at most one turn apart */
-            packed += weight[k] * ((d > 0.5 * in->length[k]) - (d < -0.5 * in->length[k]));
+        if (g->brief[k]) /* both are inside the box: at most one turn apart */
+            packed += shift_weight[k] * ((d > 0.5 * in->length[k]) - (d < -0.5 * in->length[k]));
     }
-    return (uint8_t)packed;
+    return packed;
 }
 
-/* Bit k is set where the nearest image of member first + k is within reach of a. */
-static inline unsigned within(const struct calx_pairs_input *in, const double *a, double reach, const struct grid *g,
+/* Bit k is set where member first + k is within reach of a. */
+static inline unsigned within(const struct calx_pairs_input *in, const struct grid *g, const double *a, double reach,
                               size_t first)
 {
     calx_v8 square = {0}, radius = calx_v8_load_unaligned(g->member[3] + first) + reach;
     for (int k = 0; k < 3; k++) {
         calx_v8 d = a[k] - calx_v8_load_unaligned(g->member[k] + first);
-        if (in->periodic[k]) {
+        if (g->brief[k]) {
             calx_v8 half = (calx_v8){0} + 0.5 * in->length[k], zero = {0};
             d -= calx_v8_positive(d - half, zero + in->length[k], zero);
             d += calx_v8_positive(-half - d, zero + in->length[k], zero);
@@ -185,24 +189,30 @@ static uint8_t opposite(uint8_t shift)
     return (uint8_t)(26 - shift);
 }
 
-/* Partners of particle i among the members first..last of a grid. */
-static int match(const struct search *s, const struct grid *g, int32_t i, bool later, int32_t first,
-                 int32_t last, struct calx_found_list *out)
+/* A particle that looks for partners: itself as seen from the cells looked into, which are `shift` away. */
+struct seeker {
+    int32_t i;
+    bool later;      /* takes partners later in order alone */
+    double at[3], reach;
+    int shift;
+};
+
+/* Partners among the members first..last of a grid. */
+static int match(const struct calx_pairs_input *in, const struct grid *g, const struct seeker *p, int32_t first, int32_t last,
+                 struct calx_found_list *out)
 {
-    const struct calx_pairs_input *in = s->in;
-    const double *a = in->x + 4 * (size_t)i;
     for (int32_t m = first; m < last; m += 8) {
-        unsigned bits = within(in, a, a[3] + in->skin, g, (size_t)m);
+        unsigned bits = within(in, g, p->at, p->reach, (size_t)m);
         bits &= last - m < 8 ? (1u << (last - m)) - 1 : 0xffu;
         for (; bits; bits &= bits - 1) {
             size_t at = (size_t)m + (size_t)__builtin_ctz(bits);
             int32_t j = g->index[at];
-            if (later && j <= i)
+            if (p->later && j <= p->i)
                 continue;
-            uint8_t shift = shift_of(in, a, g, at);
-            struct calx_found f = {i, j, shift};
-            if (j < i)
-                f = (struct calx_found){j, i, opposite(shift)};
+            uint8_t shift = (uint8_t)(p->shift + short_turns(in, g, p->at, at));
+            struct calx_found f = {p->i, j, shift};
+            if (j < p->i)
+                f = (struct calx_found){j, p->i, opposite(shift)};
             if (append(out, f))
                 return 1;
         }
@@ -210,43 +220,57 @@ static int match(const struct search *s, const struct grid *g, int32_t i, bool l
     return 0;
 }
 
-/* The cells to visit along one axis: the cell of x and its neighbours, each once. */
-static int axis_cells(const struct search *s, const struct grid *g, int k, double x, int cells[3])
+/* The cells to visit along one axis, each once: the cell of x and its neighbours, and how many turns away they are. */
+struct visit {
+    int count, cell[3], turns[3];
+};
+
+static void visit_axis(const struct calx_pairs_input *in, const struct grid *g, int k, double x, struct visit *v)
 {
-    int c = cell_along(g, k, x), n = g->cells[k], count = 0;
+    int c = cell_along(g, k, x), n = g->cells[k];
     for (int d = -1; d <= 1; d++) {
-        int e = c + d;
-        if (s->in->periodic[k])
-            e = (e + n) % n;
-        else if (e < 0 || e >= n)
+        int e = c + d, turns = (e >= n) - (e < 0);
+        if (turns && !in->periodic[k])
             continue;
-        bool seen = false;
-        for (int q = 0; q < count; q++)
-            seen |= cells[q] == e;
-        if (!seen)
-            cells[count++] = e;
+        e -= turns * n;
+        if (n < 3 && v->count > 0 && (e == v->cell[0] || (v->count == 2 && e == v->cell[1])))
+            continue;
+        v->cell[v->count] = e;
+        v->turns[v->count++] = g->brief[k] ? 0 : turns;
     }
-    return count;
+}
+
+/* Sees particle i from cells whose turns along the axes are tx, ty, tz. */
+static void place_seeker(const struct calx_pairs_input *in, const double *x, const int turns[3], struct seeker *p)
+{
+    p->shift = CALX_NO_SHIFT;
+    for (int k = 0; k < 3; k++) {
+        p->at[k] = turns[k] ? x[k] - turns[k] * in->length[k] : x[k];
+        p->shift += shift_weight[k] * turns[k];
+    }
 }
 
 static int search_grid(const struct search *s, const struct grid *g, int32_t i, bool later,
                        struct calx_found_list *out)
 {
     const double *a = s->in->x + 4 * (size_t)i;
+    struct seeker p = {.i = i, .later = later, .reach = a[3] + s->in->skin};
     int32_t from = later ? i + 1 : 0; /* cells without a later member are passed over */
-    int cx[3], cy[3], cz[3];
-    int nx = axis_cells(s, g, 0, a[0], cx), ny = axis_cells(s, g, 1, a[1], cy),
-        nz = axis_cells(s, g, 2, a[2], cz);
-    for (int z = 0; z < nz; z++)
-        for (int y = 0; y < ny; y++) {
-            size_t line = ((size_t)cz[z] * g->cells[1] + cy[y]) * g->cells[0];
-            for (int x = 0; x < nx; x++) {
-                if (g->last[line + cx[x]] < from)
+    struct visit v[3] = {{0}}, *vx = &v[0], *vy = &v[1], *vz = &v[2];
+    for (int k = 0; k < 3; k++)
+        visit_axis(s->in, g, k, a[k], &v[k]);
+    for (int z = 0; z < vz->count; z++)
+        for (int y = 0; y < vy->count; y++) {
+            size_t line = ((size_t)vz->cell[z] * g->cells[1] + vy->cell[y]) * g->cells[0];
+            for (int x = 0; x < vx->count; x++) {
+                if (g->last[line + vx->cell[x]] < from)
                     continue;
                 int run = 1; /* neighbouring cells of a line are one range */
-                while (x + run < nx && cx[x + run] == cx[x] + run && g->last[line + cx[x + run]] >= from)
+                while (x + run < vx->count && vx->cell[x + run] == vx->cell[x] + run && vx->turns[x + run] == vx->turns[x] &&
+                       g->last[line + vx->cell[x + run]] >= from)
                     run++;
-                if (match(s, g, i, later, g->start[line + cx[x]], g->start[line + cx[x] + run], out))
+                place_seeker(s->in, a, (const int[3]){vx->turns[x], vy->turns[y], vz->turns[z]}, &p);
+                if (match(s->in, g, &p, g->start[line + vx->cell[x]], g->start[line + vx->cell[x] + run], out))
                     return 1;
                 x += run - 1;
             }

@@ -220,12 +220,13 @@ struct calx_conductance_law {
 /* A range of n particles as rows of four: x = {x, y, z, R}, v = {vx, vy, vz, 1/m}, a = {ax, ay, az, 0}; for rotation
  * x is NULL, v = {wx, wy, wz, *}, a the angular acceleration. Row i of v and a starts at i*stride doubles, of x and extra at 4*i.
  * dt[k] is the step for lane k: 0 in lanes that must not move (the fourth; z in 2D), so that a kernel
- * is a plain loop over four lanes, v[k] += dt[k]*a[k]. Integrator kernels may not assume a dt of zero elsewhere. */
+ * is a plain loop over four lanes, v[k] += dt[k]*a[k]. Integrator kernels may not assume a dt of zero elsewhere.
+ * Kernels of both at once see rows of eight, v = {vx, vy, vz, 1/m, wx, wy, wz, *}, a likewise, with a dt for each lane; x stays rows of four. */
 struct calx_rows {
     size_t size;
     size_t n;
     size_t stride;
-    double dt[4];
+    double dt[8];
     double *x;
     double *v;
     const double *a;
@@ -249,6 +250,7 @@ struct calx_motion_integrator {
     const char *const *extra; /* their names */
     const struct calx_stage *translation; /* `stages` entries */
     const struct calx_stage *rotation;    /* `stages` entries */
+    const struct calx_stage *whole;       /* NULL, or `stages` entries: translation and rotation at once, with the same bits and less time */
     int (*prepare)(const struct calx_setup *, void *params, char *why, size_t why_size);
     void (*release)(void *params);
 };

@@ -12,7 +12,7 @@
 
 /* A rebuild costs as much per particle as this many looks at a pair: measured on a drum, a bed and a gas (0.6 us against 2.5 ns). */
 static const double REBUILD = 240.0;
-static const double FIRST = 0.3, LEAST = 0.02, MOST = 1.5; /* of the mean radius */
+static const double FIRST = 0.3, LEAST = 0.02, MOST = 4.0; /* of the mean radius */
 static const double LADDER = 1.1;                          /* between the widths that are compared */
 
 static double mean_radius(const struct calx_scene *scene)
@@ -30,7 +30,7 @@ int calx_skin_choose(struct calx_sim *s, struct calx_error *e)
     s->skin_tuned = !(scene->skin > 0.0) && s->features.search;
     s->skin = scene->skin > 0.0 ? scene->skin : FIRST * mean;
     s->skin_least = LEAST * mean;
-    s->skin_most = MOST * mean;
+    s->skin_most = s->skin_tuned ? MOST * mean : INFINITY;
     if (!s->features.search && !s->features.periodic)
         s->skin = INFINITY; /* without a search, everything is always near */
     for (int k = 0; k < 3 && s->features.search; k++) {
