@@ -8,14 +8,14 @@
 #include "core/vector.h"
 
 /* Bit k is set where the bodies of pair k of eight, of which `count` exist, are nearer than the sum of radii and a margin. */
-static unsigned nearer(const struct calx_block_view *b, const int32_t *i, const int32_t *j, size_t count, double margin)
+static unsigned nearer(const struct calx_block_view *b, const uint32_t *i, const uint32_t *j, size_t count, double margin)
 {
     static const calx_v4 sign = {-1.0, -1.0, -1.0, 1.0};
     calx_v4 row[8];
     calx_v8 d[4];
     for (size_t k = 0; k < 8; k++) {
         size_t at = k < count ? k : 0;
-        row[k] = calx_v4_load(b->x + 4 * (size_t)i[at]) + sign * calx_v4_load(b->x + 4 * (size_t)j[at]);
+        row[k] = calx_v4_load(calx_place_row(b->x, 4, i[at])) + sign * calx_v4_load(calx_place_row(b->x, 4, j[at]));
     }
     calx_rows_to_columns(row, d);
     calx_v8 reach = d[3] + margin, square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
@@ -23,7 +23,7 @@ static unsigned nearer(const struct calx_block_view *b, const int32_t *i, const 
     return calx_v8_less(square, reach * reach) & exist;
 }
 
-static void set_pair(struct calx_sim *s, size_t k, int32_t i, int32_t j, unsigned touching)
+static void set_pair(struct calx_sim *s, size_t k, uint32_t i, uint32_t j, unsigned touching)
 {
     s->pairs.i[k] = i;
     s->pairs.j[k] = j;
@@ -33,7 +33,7 @@ static void set_pair(struct calx_sim *s, size_t k, int32_t i, int32_t j, unsigne
 /* The pair at place p of the group's apart pairs, one of the soon ones, is evaluated from now on. */
 static void admit(struct calx_sim *s, struct calx_group *g, size_t p)
 {
-    int32_t *i = s->pairs.apart_i + g->apart_first, *j = s->pairs.apart_j + g->apart_first;
+    uint32_t *i = s->pairs.apart_i + g->apart_first, *j = s->pairs.apart_j + g->apart_first;
     set_pair(s, g->first + g->count, i[p], j[p], 0);
     for (size_t h = 0; h < s->plan->history; h++)
         calx_group_history(s, g, h)[g->count] = 0.0;
@@ -46,7 +46,7 @@ static void admit(struct calx_sim *s, struct calx_group *g, size_t p)
 void CALX_ISA(calx_apart_admit)(const struct calx_block_view *b, struct calx_group *g)
 {
     struct calx_sim *s = b->s;
-    const int32_t *i = s->pairs.apart_i + g->apart_first, *j = s->pairs.apart_j + g->apart_first;
+    const uint32_t *i = s->pairs.apart_i + g->apart_first, *j = s->pairs.apart_j + g->apart_first;
     for (size_t end = g->soon; end > 0;) { /* from the back: what takes the place of an admitted pair has been looked at */
         size_t first = (end - 1) / 8 * 8;
         unsigned bits = nearer(b, i + first, j + first, end - first, s->plan->gap);
@@ -88,14 +88,14 @@ static void dismiss_parted(const struct calx_block_view *b, struct calx_group *g
 bool CALX_ISA(calx_apart_sift)(const struct calx_block_view *b, struct calx_group *g, double inner)
 {
     double margin = inner + b->s->plan->gap;
-    int32_t *i = b->s->pairs.apart_i + g->apart_first, *j = b->s->pairs.apart_j + g->apart_first;
+    uint32_t *i = b->s->pairs.apart_i + g->apart_first, *j = b->s->pairs.apart_j + g->apart_first;
     dismiss_parted(b, g, margin);
     g->soon = 0;
     for (size_t first = 0; first < g->apart_count; first += 8) {
         unsigned bits = nearer(b, i + first, j + first, g->apart_count - first, margin);
         for (; bits; bits &= bits - 1) {
             size_t p = first + (size_t)__builtin_ctz(bits), to = g->soon++;
-            int32_t pi = i[p], pj = j[p];
+            uint32_t pi = i[p], pj = j[p];
             i[p] = i[to], j[p] = j[to];
             i[to] = pi, j[to] = pj;
         }

@@ -68,12 +68,12 @@ static void add_edges(const struct calx_block_view *b, const struct calx_columns
     const struct calx_row_block *rb = b->block;
     size_t first = s->groups[rb->group_first].first;
     for (size_t lane = 0; lane < c->n; lane++) {
-        int32_t i = rb->first + b->i[lane], j = rb->first + b->j[lane];
+        int32_t i = rb->first + calx_row_of_place(b->i[lane]), j = rb->first + calx_row_of_place(b->j[lane]);
         if (!(c->conductance[lane] > 0.0))
             continue;
         size_t e = first + b->tally->edges++;
-        s->edge_i[e] = b->i[lane] < rb->own ? i : s->r.source[i];
-        s->edge_j[e] = b->j[lane] < rb->own ? j : s->r.source[j];
+        s->edge_i[e] = i < rb->first + rb->own ? i : s->r.source[i];
+        s->edge_j[e] = j < rb->first + rb->own ? j : s->r.source[j];
         s->edge_h[e] = c->conductance[lane];
     }
 }
@@ -187,7 +187,8 @@ static void show_batch(const struct calx_block_view *b, struct calx_columns *c)
     CALX_ISA(calx_evaluate_laws)(b->s->plan, b->type, 0.0, b->conduct, c, NULL);
     for (size_t lane = 0; lane < c->n; lane++)
         if (c->overlap[lane] > -b->s->plan->gap)
-            b->sink->take(b->sink->context, c, lane, b->block->first + b->i[lane], b->block->first + b->j[lane]);
+            b->sink->take(b->sink->context, c, lane, b->block->first + calx_row_of_place(b->i[lane]),
+                          b->block->first + calx_row_of_place(b->j[lane]));
 }
 
 static void block_network(struct calx_sim *s, size_t block, const struct calx_sink *sink)

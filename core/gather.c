@@ -26,12 +26,13 @@ static struct constants constants_of(const struct calx_block_view *b)
                               .diameter = 2.0 * b->s->radius_max, .centred = centred};
 }
 
-CALX_INLINE calx_v8 pick(const double *rows, size_t stride, const int32_t *row, size_t lane)
+/* One number of each of eight rows. */
+CALX_INLINE calx_v8 pick(const double *rows, size_t stride, const uint32_t *place, size_t lane)
 {
-    const double *at = rows + lane;
-    return (calx_v8){at[stride * (size_t)row[0]], at[stride * (size_t)row[1]], at[stride * (size_t)row[2]],
-                     at[stride * (size_t)row[3]], at[stride * (size_t)row[4]], at[stride * (size_t)row[5]],
-                     at[stride * (size_t)row[6]], at[stride * (size_t)row[7]]};
+    calx_v8 v;
+    for (int k = 0; k < 8; k++)
+        v[k] = calx_place_row(rows, stride, place[k])[lane];
+    return v;
 }
 
 CALX_INLINE void store3(calx_column *to, size_t lane, const calx_v8 v[3])
@@ -41,29 +42,28 @@ CALX_INLINE void store3(calx_column *to, size_t lane, const calx_v8 v[3])
 }
 
 /* Differences of rows of four, from lane `at` of rows `stride` apart, as columns. */
-CALX_INLINE void subtract(const double *rows, size_t stride, const int32_t *i, const int32_t *j, calx_v8 d[4])
+CALX_INLINE void subtract(const double *rows, size_t stride, const uint32_t *i, const uint32_t *j, calx_v8 d[4])
 {
     calx_v4 row[8];
     for (int k = 0; k < 8; k++)
-        row[k] = calx_v4_load(rows + stride * (size_t)i[k]) - calx_v4_load(rows + stride * (size_t)j[k]);
+        row[k] = calx_v4_load(calx_place_row(rows, stride, i[k])) - calx_v4_load(calx_place_row(rows, stride, j[k]));
     calx_rows_to_columns(row, d);
 }
 
 /* Velocity and temperature of i less those of j, and the sums of inverse masses and spins. */
-CALX_INLINE void combine(const double *v, const int32_t *i, const int32_t *j, calx_v8 c[8])
+CALX_INLINE void combine(const double *v, const uint32_t *i, const uint32_t *j, calx_v8 c[8])
 {
     static const calx_v8 minus = {-0.0, -0.0, -0.0, 0.0, 0.0, 0.0, 0.0, -0.0};
     for (int k = 0; k < 8; k++)
-        c[k] = calx_v8_load(v + 8 * (size_t)i[k]) + calx_v8_flip(calx_v8_load(v + 8 * (size_t)j[k]), minus);
+        c[k] = calx_v8_load(calx_place_row(v, 8, i[k])) + calx_v8_flip(calx_v8_load(calx_place_row(v, 8, j[k])), minus);
     calx_transpose8(c);
 }
 
 CALX_INLINE void turn_history(const struct calx_plan *p, const calx_v8 n[3], const calx_v8 u[3], calx_v8 un,
                               calx_v8 turn, struct calx_columns *c, size_t lane)
 {
-    calx_v8 between[3];
-    for (int k = 0; k < 3; k++)
-        between[k] = n[k] - turn * u[k];
+    calx_v8 between[3] = {n[0], n[1], n[2]};
+    calx_lanes_add(between, -turn, u);
     for (size_t h = 0; h < p->history; h++) {
         if (!p->history_is_vector[h])
             continue;
@@ -94,7 +94,7 @@ CALX_INLINE void gather(const struct calx_block_view *b, struct calx_columns *c,
     const bool tangent = p->needs & CALX_NEEDS_TANGENT, spin = p->needs & CALX_NEEDS_SPIN;
     const bool curved = p->needs & CALX_NEEDS_CURVATURE || b->look;
     for (size_t lane = 0; lane < c->n; lane += 8) {
-        const int32_t *i = b->i + lane, *j = b->j + lane;
+        const uint32_t *i = b->i + lane, *j = b->j + lane;
         calx_v8 d[4], v[8], e[4], n[3], reach, excess = {0}, ri;
         subtract(b->x, 4, i, j, d);
         if (one_size) {
@@ -128,13 +128,17 @@ CALX_INLINE void gather(const struct calx_block_view *b, struct calx_columns *c,
         }
         note_touch(b, c, lane, calx_v8_less((calx_v8){0} - k.gap, overlap) & exist);
 
-        calx_v8 un = calx_lanes_dot(n, v), u2 = calx_lanes_dot(v, v), tilt = k.lag * inverse;
-        calx_v8 vn = calx_lanes_approach(un, u2, tilt);
+        calx_v8 un = calx_lanes_dot(n, v), u2 = {0}, tilt = {0}, vn = un;
+        if (k.centred) {
+            u2 = calx_lanes_dot(v, v);
+            tilt = k.lag * inverse;
+            vn = calx_lanes_approach(un, u2, tilt);
+        }
         calx_v8_store(c->overlap + lane, overlap);
         store3(c->normal, lane, n);
         calx_v8_store(c->vn + lane, vn);
         calx_v8_store(c->mass + lane, calx_v8_positive(v[3], 1.0 / calx_v8_positive(v[3], v[3], one), (calx_v8){0}));
-        if (wide)
+        if (wide && b->conduct)
             calx_v8_store(c->warmth + lane, v[7]);
         if (curved) {
             calx_v8_store(c->curvature[0] + lane, 1.0 / ri);
@@ -150,7 +154,8 @@ CALX_INLINE void gather(const struct calx_block_view *b, struct calx_columns *c,
             for (int q = 0; q < 3 && !one_size; q++)
                 w[q] += 0.5 * excess * e[q];
             calx_v8_store(c->levers + lane, levers);
-            calx_v8_store(c->excess + lane, excess);
+            if (!one_size)
+                calx_v8_store(c->excess + lane, excess);
             if (spin)
                 store3(c->spin, lane, e);
         }

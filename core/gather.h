@@ -21,10 +21,10 @@ struct calx_block_view {
     bool look;           /* nothing may change */
     const struct calx_sink *sink;
     struct calx_clock *clock;
-    /* the batch under way: its pair type, its first pair, the bodies of its pairs as rows of the block, where column 0 of their history
+    /* the batch under way: its pair type, its first pair, the places of its bodies, where column 0 of their history
      * starts and how far apart columns are */
     size_t type, first, history, room;
-    const int32_t *i, *j;
+    const uint32_t *i, *j;
 };
 
 /* Fills the columns of c->n pairs from `first` on: what the laws see, levers, and the bits of touch. */

@@ -35,7 +35,8 @@ static uint64_t hash_particle(const struct calx_sim *s, int32_t row)
 /* Vectors are stored as acting on i; the hash takes them as acting on the body of lower id. */
 static uint64_t hash_pair(const struct calx_sim *s, const struct calx_row_block *b, const struct calx_group *g, size_t k)
 {
-    int32_t row[2] = {b->first + s->pairs.i[g->first + k], b->first + s->pairs.j[g->first + k]};
+    int32_t row[2] = {b->first + calx_row_of_place(s->pairs.i[g->first + k]),
+                      b->first + calx_row_of_place(s->pairs.j[g->first + k])};
     int64_t id[2];
     for (int q = 0; q < 2; q++)
         id[q] = s->r.id[row[q] - b->first >= b->own ? s->r.source[row[q]] : row[q]];

@@ -26,8 +26,8 @@ static void each_kept(const struct calx_rebuild *r, bool fill)
             for (size_t k = 0; k < group->count; k++) {
                 if (!calx_pair_touches(s, group->first + k))
                     continue;
-                int32_t i = place_of(r, &s->blocks[b], s->pairs.i[group->first + k]);
-                int32_t j = place_of(r, &s->blocks[b], s->pairs.j[group->first + k]);
+                int32_t i = place_of(r, &s->blocks[b], calx_row_of_place(s->pairs.i[group->first + k]));
+                int32_t j = place_of(r, &s->blocks[b], calx_row_of_place(s->pairs.j[group->first + k]));
                 int32_t earlier = i < j ? i : j, later = i < j ? j : i;
                 if (fill)
                     r->kept[r->kept_first[earlier + 1]++] = (struct calx_kept){later, i, number, k};
@@ -88,7 +88,8 @@ void calx_keep_apply(const struct calx_rebuild *r, size_t block)
         const struct calx_group *group = &r->groups[g];
         for (size_t k = 0; k < group->count; k++) {
             size_t place = group->first + k;
-            int32_t i = new_place(r, block, r->pairs.i[place]), j = new_place(r, block, r->pairs.j[place]);
+            int32_t i = new_place(r, block, calx_row_of_place(r->pairs.i[place])),
+                    j = new_place(r, block, calx_row_of_place(r->pairs.j[place]));
             const struct calx_kept *kept = find_kept(r, i < j ? i : j, i < j ? j : i);
             if (!kept)
                 continue;

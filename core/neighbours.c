@@ -134,12 +134,12 @@ static int allocate_pairs(struct calx_rebuild *r)
     return !p->i || !p->j || !p->touching || !p->history || !p->apart_i || !p->apart_j;
 }
 
-static void copy_pairs(int32_t *i, int32_t *j, const struct calx_local *l, size_t from, size_t count)
+static void copy_pairs(uint32_t *i, uint32_t *j, const struct calx_local *l, size_t from, size_t count)
 {
-    if (!count)
-        return;
-    memcpy(i, l->i + from, count * sizeof *i);
-    memcpy(j, l->j + from, count * sizeof *j);
+    for (size_t k = 0; k < count; k++) {
+        i[k] = calx_place_of_row(l->i[from + k]);
+        j[k] = calx_place_of_row(l->j[from + k]);
+    }
 }
 
 /* Copies the rows, names the ghosts' sources and the pairs of one block. */

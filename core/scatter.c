@@ -72,14 +72,15 @@ static void scatter_narrow(const struct calx_block_view *b, const struct calx_co
         forces(c, lane, tangent, force, twist);
         calx_columns_to_rows(force, row);
         for (size_t k = 0; k < end; k++) {
-            calx_v4_add(b->a + 4 * (size_t)b->i[lane + k], row[k]);
-            calx_v4_add(b->a + 4 * (size_t)b->j[lane + k], -row[k]);
+            calx_v4_add((double *)calx_place_row(b->a, 4, b->i[lane + k]), row[k]);
+            calx_v4_add((double *)calx_place_row(b->a, 4, b->j[lane + k]), -row[k]);
         }
     }
 }
 
-CALX_INLINE void add(double *to, calx_v8 row)
+CALX_INLINE void add(const double *row_of_a, calx_v8 row)
 {
+    double *to = (double *)row_of_a;
     calx_v8_store(to, calx_v8_load(to) + row);
 }
 
@@ -100,8 +101,8 @@ static void scatter_mirror(const struct calx_block_view *b, const struct calx_co
         row[7] = heat_into(c, lane, f, 0);
         calx_transpose8(row);
         for (size_t k = 0; k < end; k++) {
-            add(b->a + 8 * (size_t)b->i[lane + k], row[k]);
-            add(b->a + 8 * (size_t)b->j[lane + k], calx_v8_flip(row[k], minus));
+            add(calx_place_row(b->a, 8, b->i[lane + k]), row[k]);
+            add(calx_place_row(b->a, 8, b->j[lane + k]), calx_v8_flip(row[k], minus));
         }
     }
 }
@@ -109,6 +110,7 @@ static void scatter_mirror(const struct calx_block_view *b, const struct calx_co
 static void scatter_both(const struct calx_block_view *b, const struct calx_columns *c, const struct flows *f)
 {
     uint32_t needs = b->s->plan->needs;
+    bool several_sizes = b->s->radius_min < b->s->radius_max;
     for (size_t lane = 0; lane < c->n; lane += 8) {
         calx_v8 force[3], twist[3], torque[3] = {{0}};
         size_t end = c->n - lane < 8 ? c->n - lane : 8;
@@ -120,15 +122,17 @@ static void scatter_both(const struct calx_block_view *b, const struct calx_colu
             for (int k = 0; k < 3; k++)
                 row[k] = sign * force[k];
             if (needs & CALX_NEEDS_ROTATION) {
-                calx_v8 lever = 0.5 * (calx_v8_load(c->levers + lane) + sign * calx_v8_load(c->excess + lane));
+                calx_v8 lever = 0.5 * calx_v8_load(c->levers + lane);
+                if (several_sizes)
+                    lever += 0.5 * sign * calx_v8_load(c->excess + lane);
                 for (int k = 0; k < 3; k++)
                     row[4 + k] = sign * torque[k] - lever * twist[k];
             }
             row[7] = heat_into(c, lane, f, body);
             calx_transpose8(row);
-            const int32_t *to = (body ? b->j : b->i) + lane;
+            const uint32_t *to = (body ? b->j : b->i) + lane;
             for (size_t k = 0; k < end; k++)
-                add(b->a + 8 * (size_t)to[k], row[k]);
+                add(calx_place_row(b->a, 8, to[k]), row[k]);
         }
     }
 }
@@ -138,13 +142,13 @@ static void note_deepest(const struct calx_block_view *b, const struct calx_colu
 {
     struct calx_tally *t = b->tally;
     for (size_t lane = 0; lane < c->n; lane++) {
-        double ri = b->x[4 * (size_t)b->i[lane] + 3], rj = b->x[4 * (size_t)b->j[lane] + 3];
+        double ri = calx_place_row(b->x, 4, b->i[lane])[3], rj = calx_place_row(b->x, 4, b->j[lane])[3];
         double depth = c->overlap[lane] / (ri < rj ? ri : rj);
         if (!(depth > t->overlap))
             continue;
         t->overlap = depth;
-        t->overlap_rows[0] = b->block->first + b->i[lane];
-        t->overlap_rows[1] = b->block->first + b->j[lane];
+        t->overlap_rows[0] = b->block->first + calx_row_of_place(b->i[lane]);
+        t->overlap_rows[1] = b->block->first + calx_row_of_place(b->j[lane]);
     }
 }
 

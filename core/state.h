@@ -134,10 +134,10 @@ struct calx_rows_arrays {
 struct calx_pairs {
     size_t reach;                /* pairs in reach: evaluated and apart */
     size_t places, apart;        /* room for them in all groups */
-    int32_t *i, *j;              /* of evaluated pairs: rows within the block; places beyond count hold 0, 0 */
+    uint32_t *i, *j;             /* of evaluated pairs: places of rows within the block, see calx_place_row(); 0, 0 beyond count */
     uint8_t *touching;           /* at the last evaluation: a bit per place */
     double *history;             /* see calx_group_history() */
-    int32_t *apart_i, *apart_j;
+    uint32_t *apart_i, *apart_j;
 };
 
 struct calx_sim {
@@ -337,6 +337,14 @@ static inline double *calx_group_history(const struct calx_sim *s, const struct 
 {
     return s->pairs.history + s->plan->history * g->first + h * g->room;
 }
+/* A place in the lists of pairs says where a row of its block is, in bytes of x: kernels reach it without arithmetic. */
+static inline uint32_t calx_place_of_row(int32_t row) { return 32 * (uint32_t)row; }
+static inline int32_t calx_row_of_place(uint32_t place) { return (int32_t)(place / 32); }
+static inline const double *calx_place_row(const double *rows, size_t stride, uint32_t place)
+{
+    return (const double *)((const char *)rows + stride / 4 * place);
+}
+
 static inline bool calx_pair_touches(const struct calx_sim *s, size_t place)
 {
     return s->pairs.touching[place / 8] >> place % 8 & 1;
