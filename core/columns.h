@@ -27,8 +27,10 @@ struct calx_columns {
     calx_column fn, coulomb, ft[3], torque[3], work, conductance, energy;
     /* what takes forces to the bodies: sum and difference (i less j) of the levers, T_i - T_j */
     calx_column levers, excess, warmth;
-    /* of wall contacts: v_i less the wall's at the contact point, spin of the grain; out: force on i, n x ft */
-    calx_column velocity[3], omega[3], force[3], twist[3];
+    /* on the way: 1/distance of the centres; v_i less v_j, or less the wall's velocity at the contact point */
+    calx_column inverse, velocity[3];
+    /* of wall contacts: spin of the grain; out: force on i, n x ft */
+    calx_column omega[3], force[3], twist[3];
     calx_column kept[CALX_HISTORY_MAX];
     /* the batch as each law sees it, and the conductance after them; made once per plan */
     const struct calx_plan *viewed;

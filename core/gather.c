@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * From rows to the columns of a batch: eight pairs at a time, the rows of their bodies are subtracted or added and turned into columns, from
- * which follow normal, overlap and velocities; history is turned with the normal where it is stored. Variants, chosen by what the
+ * which follow normal, overlap and velocities; history is turned with the normal where it is stored. Three short passes: in one long one the
+ * processor would wait for roots and quotients, because it looks no further ahead than one group of eight. Variants, chosen by what the
  * scene has: rows with or without a second half, with or without rotation, bodies of one or of several sizes.
  */
 #include "core/gather.h"
@@ -12,7 +13,6 @@
 /* What does not change within a batch. */
 struct constants {
     double lag, growth; /* s: of the velocities; by which the sum of levers grows per normal velocity until now */
-    double half_step;   /* s */
     double gap, diameter;
     bool centred;       /* the contact point is at the middle of the overlap; else the levers are the radii */
 };
@@ -22,7 +22,7 @@ static struct constants constants_of(const struct calx_block_view *b)
     const struct calx_plan *p = b->s->plan;
     bool centred = !p->models->lever_full;
     double lag = p->motion_law && centred ? p->motion_law->velocity_lag * b->dt : 0.0;
-    return (struct constants){.lag = lag, .growth = lag, .half_step = 0.5 * b->dt, .gap = p->gap,
+    return (struct constants){.lag = lag, .growth = lag, .gap = p->gap,
                               .diameter = 2.0 * b->s->radius_max, .centred = centred};
 }
 
@@ -39,6 +39,12 @@ CALX_INLINE void store3(calx_column *to, size_t lane, const calx_v8 v[3])
 {
     for (int k = 0; k < 3; k++)
         calx_v8_store(to[k] + lane, v[k]);
+}
+
+CALX_INLINE void load3(const calx_column *from, size_t lane, calx_v8 v[3])
+{
+    for (int k = 0; k < 3; k++)
+        v[k] = calx_v8_load(from[k] + lane);
 }
 
 /* Differences of rows of four, from lane `at` of rows `stride` apart, as columns. */
@@ -59,23 +65,6 @@ CALX_INLINE void combine(const double *v, const uint32_t *i, const uint32_t *j, 
     calx_transpose8(c);
 }
 
-CALX_INLINE void turn_history(const struct calx_plan *p, const calx_v8 n[3], const calx_v8 u[3], calx_v8 un,
-                              calx_v8 turn, struct calx_columns *c, size_t lane)
-{
-    calx_v8 between[3] = {n[0], n[1], n[2]};
-    calx_lanes_add(between, -turn, u);
-    for (size_t h = 0; h < p->history; h++) {
-        if (!p->history_is_vector[h])
-            continue;
-        calx_v8 v[3];
-        for (int k = 0; k < 3; k++)
-            v[k] = calx_v8_load(c->history[h + k] + lane);
-        calx_lanes_turn(n, between, turn * un, v);
-        for (int k = 0; k < 3; k++)
-            calx_v8_store(c->history[h + k] + lane, v[k]);
-    }
-}
-
 /* The bits of touch; those of lanes that do not exist are 0. */
 static inline void note_touch(const struct calx_block_view *b, struct calx_columns *c, size_t lane, unsigned now)
 {
@@ -86,36 +75,48 @@ static inline void note_touch(const struct calx_block_view *b, struct calx_colum
         *bits = (uint8_t)now;
 }
 
-CALX_INLINE void gather(const struct calx_block_view *b, struct calx_columns *c, const bool wide,
-                        const bool rotation, const bool one_size)
+/* Turns the vectors of history with the normal. */
+static void turn_history(const struct calx_block_view *b, struct calx_columns *c)
 {
     const struct calx_plan *p = b->s->plan;
+    for (size_t lane = 0; lane < c->n; lane += 8) {
+        calx_v8 n[3], u[3], between[3], turn = 0.5 * b->dt * calx_v8_load(c->inverse + lane);
+        load3(c->normal, lane, n);
+        load3(c->velocity, lane, u);
+        for (int k = 0; k < 3; k++)
+            between[k] = n[k];
+        calx_lanes_add(between, -turn, u);
+        calx_v8 q = turn * calx_lanes_dot(n, u);
+        for (size_t h = 0; h < p->history; h++) {
+            if (!p->history_is_vector[h])
+                continue;
+            calx_v8 v[3];
+            for (int k = 0; k < 3; k++)
+                v[k] = calx_v8_load(c->history[h + k] + lane);
+            calx_lanes_turn(n, between, q, v);
+            for (int k = 0; k < 3; k++)
+                calx_v8_store(c->history[h + k] + lane, v[k]);
+        }
+    }
+}
+
+/* From the rows of places: normal, overlap, distance, levers, and which pairs touch. */
+CALX_INLINE void gather_places(const struct calx_block_view *b, struct calx_columns *c, const bool one_size)
+{
     const struct constants k = constants_of(b);
-    const bool tangent = p->needs & CALX_NEEDS_TANGENT, spin = p->needs & CALX_NEEDS_SPIN;
-    const bool curved = p->needs & CALX_NEEDS_CURVATURE || b->look;
+    const bool curved = b->s->plan->needs & CALX_NEEDS_CURVATURE || b->look;
+    const calx_v8 one = (calx_v8){0} + 1.0;
     for (size_t lane = 0; lane < c->n; lane += 8) {
         const uint32_t *i = b->i + lane, *j = b->j + lane;
-        calx_v8 d[4], v[8], e[4], n[3], reach, excess = {0}, ri;
+        calx_v8 d[4], n[3], ri = 0.5 * k.diameter * one, excess = {0}, reach = k.diameter * one;
         subtract(b->x, 4, i, j, d);
-        if (one_size) {
-            reach = (calx_v8){0} + k.diameter;
-            ri = 0.5 * reach;
-        } else {
+        if (!one_size) {
             ri = pick(b->x, 4, i, 3);
             excess = d[3];
             reach = 2.0 * ri - excess;
+            calx_v8_store(c->excess + lane, excess);
         }
-        if (wide)
-            combine(b->v, i, j, v);
-        else {
-            subtract(b->v, 4, i, j, v);
-            v[3] = pick(b->v, 4, i, 3) + pick(b->v, 4, j, 3);
-        }
-        if (rotation && (!one_size || spin))
-            subtract(b->v + 4, 8, i, j, e);
-
-        calx_v8 square = calx_lanes_dot(d, d), one = (calx_v8){0} + 1.0;
-        calx_v8 distance = calx_v8_sqrt(square);
+        calx_v8 square = calx_lanes_dot(d, d), distance = calx_v8_sqrt(square);
         calx_v8 inverse = 1.0 / calx_v8_positive(square, distance, one);
         n[0] = calx_v8_positive(square, d[0] * inverse, one); /* coincident centres: any direction will do */
         n[1] = d[1] * inverse;
@@ -127,48 +128,74 @@ CALX_INLINE void gather(const struct calx_block_view *b, struct calx_columns *c,
             exist >>= lane + 8 - c->n;
         }
         note_touch(b, c, lane, calx_v8_less((calx_v8){0} - k.gap, overlap) & exist);
-
-        calx_v8 un = calx_lanes_dot(n, v), u2 = {0}, tilt = {0}, vn = un;
-        if (k.centred) {
-            u2 = calx_lanes_dot(v, v);
-            tilt = k.lag * inverse;
-            vn = calx_lanes_approach(un, u2, tilt);
-        }
         calx_v8_store(c->overlap + lane, overlap);
         store3(c->normal, lane, n);
-        calx_v8_store(c->vn + lane, vn);
-        calx_v8_store(c->mass + lane, calx_v8_positive(v[3], 1.0 / calx_v8_positive(v[3], v[3], one), (calx_v8){0}));
-        if (wide && b->conduct)
-            calx_v8_store(c->warmth + lane, v[7]);
+        calx_v8_store(c->inverse + lane, inverse);
+        calx_v8_store(c->levers + lane, k.centred ? distance : reach);
         if (curved) {
             calx_v8_store(c->curvature[0] + lane, 1.0 / ri);
             calx_v8_store(c->curvature[1] + lane, 1.0 / (ri - excess));
         }
-        if (!tangent)
+    }
+}
+
+/* From the rows of velocities and, if the scene has it, spin: relative velocities, effective mass, difference of temperatures. */
+CALX_INLINE void gather_speeds(const struct calx_block_view *b, struct calx_columns *c, const bool wide, const bool rotation,
+                               const bool one_size)
+{
+    const struct constants k = constants_of(b);
+    const uint32_t needs = b->s->plan->needs;
+    for (size_t lane = 0; lane < c->n; lane += 8) {
+        const uint32_t *i = b->i + lane, *j = b->j + lane;
+        calx_v8 v[8], e[4], n[3], zero = {0}, one = zero + 1.0;
+        if (wide)
+            combine(b->v, i, j, v);
+        else {
+            subtract(b->v, 4, i, j, v);
+            v[3] = pick(b->v, 4, i, 3) + pick(b->v, 4, j, 3);
+        }
+        if (rotation && (!one_size || needs & CALX_NEEDS_SPIN))
+            subtract(b->v + 4, 8, i, j, e);
+        load3(c->normal, lane, n);
+        calx_v8 un = calx_lanes_dot(n, v), u2 = zero, tilt = zero, vn = un;
+        if (k.centred) {
+            u2 = calx_lanes_dot(v, v);
+            tilt = k.lag * calx_v8_load(c->inverse + lane);
+            vn = calx_lanes_approach(un, u2, tilt);
+        }
+        calx_v8_store(c->vn + lane, vn);
+        calx_v8_store(c->mass + lane, calx_v8_positive(v[3], 1.0 / calx_v8_positive(v[3], v[3], one), zero));
+        if (wide && b->conduct)
+            calx_v8_store(c->warmth + lane, v[7]);
+        if (!(needs & CALX_NEEDS_TANGENT))
             continue;
-        calx_v8 m[3], w[3] = {{0}}, vt[3], levers = k.centred ? distance : reach;
+        calx_v8 m[3] = {n[0], n[1], n[2]}, w[3] = {{0}}, vt[3];
         if (rotation) {
-            calx_v8 half = 0.5 * (levers - k.growth * vn);
+            calx_v8 half = 0.5 * (calx_v8_load(c->levers + lane) - k.growth * vn);
             for (int q = 0; q < 3; q++)
                 w[q] = half * v[4 + q];
-            for (int q = 0; q < 3 && !one_size; q++)
-                w[q] += 0.5 * excess * e[q];
-            calx_v8_store(c->levers + lane, levers);
             if (!one_size)
-                calx_v8_store(c->excess + lane, excess);
-            if (spin)
+                calx_lanes_add(w, 0.5 * calx_v8_load(c->excess + lane), e);
+            if (needs & CALX_NEEDS_SPIN)
                 store3(c->spin, lane, e);
         }
-        if (k.centred) {
+        if (k.centred)
             calx_lanes_past_normal(n, v, un, u2, tilt, m);
-            calx_lanes_slide(m, v, w, vt);
+        calx_lanes_slide(m, v, w, vt);
+        if (k.centred)
             calx_lanes_lay(n, vt);
-        } else {
-            calx_lanes_slide(n, v, w, vt);
-        }
         store3(c->vt, lane, vt);
-        turn_history(p, n, v, un, k.half_step * inverse, c, lane);
+        store3(c->velocity, lane, v);
     }
+}
+
+CALX_INLINE void gather(const struct calx_block_view *b, struct calx_columns *c, const bool wide, const bool rotation,
+                        const bool one_size)
+{
+    gather_places(b, c, one_size);
+    gather_speeds(b, c, wide, rotation, one_size);
+    if (b->s->plan->needs & CALX_NEEDS_TANGENT)
+        turn_history(b, c);
 }
 
 /* Of both bodies, for laws that ask for them. */
