@@ -15,29 +15,28 @@
 
 static inline calx_v8 calx_lanes_dot(const calx_v8 a[3], const calx_v8 b[3])
 {
-    return calx_v8_fma(a[0], b[0], calx_v8_fma(a[1], b[1], a[2] * b[2]));
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 /* a + f b */
 static inline void calx_lanes_add(calx_v8 a[3], calx_v8 f, const calx_v8 b[3])
 {
     for (int k = 0; k < 3; k++)
-        a[k] = calx_v8_fma(f, b[k], a[k]);
+        a[k] += f * b[k];
 }
 
-/* a x b + c */
-static inline void calx_lanes_cross_add(const calx_v8 a[3], const calx_v8 b[3], const calx_v8 c[3], calx_v8 out[3])
+static inline void calx_lanes_cross(const calx_v8 a[3], const calx_v8 b[3], calx_v8 out[3])
 {
     for (int k = 0; k < 3; k++) {
         int p = (k + 1) % 3, q = (k + 2) % 3;
-        out[k] = calx_v8_fma(a[p], b[q], calx_v8_fma(-a[q], b[p], c[k]));
+        out[k] = a[p] * b[q] - a[q] * b[p];
     }
 }
 
 /* u.m to first order in the turn since: what is lost and stored then balances to second order. un: u.n, u2: u.u. */
 static inline calx_v8 calx_lanes_approach(calx_v8 un, calx_v8 u2, calx_v8 tilt)
 {
-    return calx_v8_fma(tilt, calx_v8_fma(un, un, -u2), un);
+    return un - tilt * (u2 - un * un);
 }
 
 /* The unit vector along m. |m|^2 - 1 = e = tilt (tilt u2 - 2 un) is small: 1/|m| = 1 - e/2 + 3 e^2/8, wrong by 5 e^3/16; a tilt of 0.01, a
@@ -45,9 +44,9 @@ static inline calx_v8 calx_lanes_approach(calx_v8 un, calx_v8 u2, calx_v8 tilt)
 static inline void calx_lanes_past_normal(const calx_v8 n[3], const calx_v8 u[3], calx_v8 un, calx_v8 u2,
                                           calx_v8 tilt, calx_v8 m[3])
 {
-    calx_v8 e = tilt * (tilt * u2 - 2.0 * un), s = 1.0 - e * (0.5 - 0.375 * e), st = -s * tilt;
+    calx_v8 e = tilt * (tilt * u2 - 2.0 * un), s = 1.0 - e * (0.5 - 0.375 * e), st = s * tilt;
     for (int k = 0; k < 3; k++)
-        m[k] = calx_v8_fma(st, u[k], s * n[k]);
+        m[k] = s * n[k] - st * u[k];
 }
 
 /* Into the plane of n. */
@@ -59,7 +58,9 @@ static inline void calx_lanes_lay(const calx_v8 n[3], calx_v8 v[3])
 /* Tangential velocity of i relative to j at the contact point. w: sum of lever times spin; a point at -l n from i moves with v_i - l w_i x n. */
 static inline void calx_lanes_slide(const calx_v8 m[3], const calx_v8 u[3], const calx_v8 w[3], calx_v8 vt[3])
 {
-    calx_lanes_cross_add(m, w, u, vt);
+    calx_lanes_cross(m, w, vt);
+    for (int k = 0; k < 3; k++)
+        vt[k] += u[k];
     calx_lanes_lay(m, vt);
 }
 
@@ -69,7 +70,7 @@ static inline void calx_lanes_slide(const calx_v8 m[3], const calx_v8 u[3], cons
  * a series: what it is wrong by, q^4, is a tilt out of the plane of n of q^4 times the turn, taken out again in the next step. */
 static inline void calx_lanes_turn(const calx_v8 n[3], const calx_v8 b[3], calx_v8 q, calx_v8 h[3])
 {
-    calx_v8 one = (calx_v8){0} + 1.0, inverse = calx_v8_fma(q, calx_v8_fma(q, calx_v8_fma(q, one, one), one), one);
+    calx_v8 inverse = 1.0 + q * (1.0 + q * (1.0 + q));
     calx_lanes_add(h, -calx_lanes_dot(h, n) * inverse, b);
 }
 
@@ -88,14 +89,13 @@ static inline void calx_lanes_turn_flat(const calx_v8 n[3], calx_v8 h[3])
 static inline void calx_lanes_force(const calx_v8 n[3], calx_v8 fn, const calx_v8 ft[3], calx_v8 force[3])
 {
     for (int k = 0; k < 3; k++)
-        force[k] = calx_v8_fma(fn, n[k], ft[k]);
+        force[k] = fn * n[k] + ft[k];
 }
 
 /* twist = n x ft: the couple on i is -lever_i twist, on j -lever_j twist. */
 static inline void calx_lanes_twist(const calx_v8 n[3], const calx_v8 ft[3], calx_v8 twist[3])
 {
-    static const calx_v8 none[3];
-    calx_lanes_cross_add(n, ft, none, twist);
+    calx_lanes_cross(n, ft, twist);
 }
 
 #endif

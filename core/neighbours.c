@@ -269,9 +269,26 @@ static void clear(struct calx_rebuild *r, size_t lists)
         free(all[k]);
 }
 
+/* What a block costs in a step, in units of a pair that is evaluated. */
+static size_t block_work(const struct calx_sim *s, const struct calx_row_block *b)
+{
+    size_t work = (size_t)(b->own + b->ghosts) + 2 * b->near_count;
+    for (size_t g = b->group_first; g < b->group_first + b->group_count; g++)
+        work += s->groups[g].count;
+    return work;
+}
+
 void calx_neighbours_team(struct calx_sim *s)
 {
-    s->team = (size_t)s->threads < s->block_count ? s->threads : (int)s->block_count;
+    size_t total = 0, done = 0, team = (size_t)s->threads < s->block_count ? (size_t)s->threads : s->block_count;
+    for (size_t b = 0; b < s->block_count; b++)
+        total += block_work(s, &s->blocks[b]);
+    s->team = (int)team;
+    for (size_t b = 0, t = 0; b <= s->block_count; b++) {
+        for (; t <= team && (b == s->block_count || done * team >= total * t); t++)
+            s->share[t] = b;
+        done += b < s->block_count ? block_work(s, &s->blocks[b]) : 0;
+    }
 }
 
 static int resize_tallies(struct calx_sim *s)
@@ -337,6 +354,7 @@ int calx_neighbours_build(struct calx_sim *s, struct calx_error *e)
         exchange(&r);
         failed = calx_near_build(s, &r) || resize_tallies(s) || resize_forces(s) || resize_network(s);
     }
+    calx_neighbours_team(s);
     clear(&r, lists);
     if (failed)
         return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for the lists of %zu particles", s->n);

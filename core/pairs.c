@@ -139,17 +139,17 @@ static int make_grids(struct search *s)
     return 0;
 }
 
-static int append(struct calx_found_list *l, struct calx_found f)
+/* Makes room for `more` pairs. */
+static int reserve(struct calx_found_list *l, size_t more)
 {
-    if (l->count == l->capacity) {
-        size_t capacity = l->capacity ? 2 * l->capacity : 1024;
-        struct calx_found *p = realloc(l->list, capacity * sizeof *p);
-        if (!p)
-            return 1;
-        l->list = p;
-        l->capacity = capacity;
-    }
-    l->list[l->count++] = f;
+    if (l->count + more <= l->capacity)
+        return 0;
+    size_t capacity = l->capacity ? 2 * l->capacity : 8192;
+    struct calx_found *p = realloc(l->list, capacity * sizeof *p);
+    if (!p)
+        return 1;
+    l->list = p;
+    l->capacity = capacity;
     return 0;
 }
 
@@ -168,13 +168,13 @@ static int short_turns(const struct calx_pairs_input *in, const struct grid *g, 
 }
 
 /* Bit k is set where member first + k is within reach of a. */
-static inline unsigned within(const struct calx_pairs_input *in, const struct grid *g, const double *a, double reach,
-                              size_t first)
+static inline __attribute__((always_inline)) unsigned within(const struct calx_pairs_input *in, const struct grid *g,
+                                                             const double *a, double reach, size_t first, const bool any_brief)
 {
     calx_v8 square = {0}, radius = calx_v8_load_unaligned(g->member[3] + first) + reach;
     for (int k = 0; k < 3; k++) {
         calx_v8 d = a[k] - calx_v8_load_unaligned(g->member[k] + first);
-        if (g->brief[k]) {
+        if (any_brief && g->brief[k]) {
             calx_v8 half = (calx_v8){0} + 0.5 * in->length[k], zero = {0};
             d -= calx_v8_positive(d - half, zero + in->length[k], zero);
             d += calx_v8_positive(-half - d, zero + in->length[k], zero);
@@ -201,20 +201,20 @@ struct seeker {
 static int match(const struct calx_pairs_input *in, const struct grid *g, const struct seeker *p, int32_t first, int32_t last,
                  struct calx_found_list *out)
 {
+    const bool any_brief = g->brief[0] || g->brief[1] || g->brief[2];
     for (int32_t m = first; m < last; m += 8) {
-        unsigned bits = within(in, g, p->at, p->reach, (size_t)m);
+        unsigned bits = any_brief ? within(in, g, p->at, p->reach, (size_t)m, true)
+                                  : within(in, g, p->at, p->reach, (size_t)m, false);
         bits &= last - m < 8 ? (1u << (last - m)) - 1 : 0xffu;
+        if (bits && reserve(out, 8))
+            return 1;
         for (; bits; bits &= bits - 1) {
             size_t at = (size_t)m + (size_t)__builtin_ctz(bits);
             int32_t j = g->index[at];
-            if (p->later && j <= p->i)
-                continue;
-            uint8_t shift = (uint8_t)(p->shift + short_turns(in, g, p->at, at));
-            struct calx_found f = {p->i, j, shift};
-            if (j < p->i)
-                f = (struct calx_found){j, p->i, opposite(shift)};
-            if (append(out, f))
-                return 1;
+            uint8_t shift = (uint8_t)(p->shift + (any_brief ? short_turns(in, g, p->at, at) : 0));
+            out->list[out->count] =
+                j < p->i ? (struct calx_found){j, p->i, opposite(shift)} : (struct calx_found){p->i, j, shift};
+            out->count += !p->later || j > p->i;
         }
     }
     return 0;
@@ -299,8 +299,10 @@ static int redistribute(size_t blocks, size_t block, struct calx_found_list *lis
             size_t owner = (size_t)f.i / block;
             if (owner == b)
                 lists[b].list[kept++] = f;
-            else if (append(&lists[owner], f))
+            else if (reserve(&lists[owner], 1))
                 return 1;
+            else
+                lists[owner].list[lists[owner].count++] = f;
         }
         lists[b].count = kept;
     }

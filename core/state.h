@@ -145,6 +145,7 @@ struct calx_sim {
     struct calx_registry *registry;
     int threads;
     int team;                    /* threads that have blocks to work on */
+    size_t *share;               /* per thread: its first block; one more for the end */
     size_t plan_count;
     struct calx_plan *plans;    /* one per set of models */
     const struct calx_plan *plan;

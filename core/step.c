@@ -27,14 +27,14 @@ static void swap_wall_contacts(struct calx_sim *s)
 }
 
 /* The blocks of one thread, in order. A block is finished while it is in cache, as soon as the blocks that add to it are done; those that
- * wait for another thread's blocks come after the barrier. Nobody reads a block's rows once the blocks that add to it are done:
- * they are the ones that keep copies of it. */
+ * wait for another thread's blocks come after the barrier, dealt out to all threads. Nobody reads a block's rows once the blocks that add
+ * to it are done: they are the ones that keep copies of it. */
 static void sweep_part(struct calx_sim *s, const struct calx_pass *pass, size_t me, size_t team)
 {
-    size_t first = s->block_count * me / team, last = s->block_count * (me + 1) / team;
-    for (size_t b = first; b < last; b++) {
+    bool passing = pass->ahead && !s->plan->global_heat; /* a global integrator of temperature reads the heat of dissipation in the rows */
+    for (size_t b = s->share[me], first = b; b < s->share[me + 1]; b++) {
         bool finish = s->blocks[b].earliest >= first;
-        double *a = finish && pass->ahead ? s->forces[me] : calx_row_a(s, s->blocks[b].first);
+        double *a = finish && passing ? s->forces[me] : calx_row_a(s, s->blocks[b].first);
         s->engine->block_forces(s, b, pass, a);
         if (finish)
             s->engine->block_finish(s, b, pass, a);
@@ -42,9 +42,10 @@ static void sweep_part(struct calx_sim *s, const struct calx_pass *pass, size_t 
     if (team == 1)
         return;
 #pragma omp barrier
-    for (size_t b = first; b < last; b++)
-        if (s->blocks[b].earliest < first)
-            s->engine->block_finish(s, b, pass, calx_row_a(s, s->blocks[b].first));
+    for (size_t owner = 1, turn = 0; owner < team; owner++)
+        for (size_t b = s->share[owner]; b < s->share[owner + 1]; b++)
+            if (s->blocks[b].earliest < s->share[owner] && turn++ % team == me)
+                s->engine->block_finish(s, b, pass, calx_row_a(s, s->blocks[b].first));
 }
 
 /* A parallel region costs microseconds even for one thread: a scene of one block does without. */

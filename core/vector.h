@@ -150,21 +150,6 @@ static inline calx_v8 calx_v8_sqrt(calx_v8 a)
 #endif
 }
 
-/* a b + c, rounded once where the instruction set has it (AVX2 with FMA, AVX-512, aarch64), twice elsewhere. */
-static inline calx_v8 calx_v8_fma(calx_v8 a, calx_v8 b, calx_v8 c)
-{
-#if defined(__AVX512F__)
-    return (calx_v8)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
-#elif defined(__FMA__) || defined(__aarch64__)
-    calx_v8 r;
-    for (int l = 0; l < 8; l++)
-        r[l] = __builtin_fma(a[l], b[l], c[l]);
-    return r;
-#else
-    return a * b + c;
-#endif
-}
-
 /* a > 0 ? yes : no, lane by lane. */
 static inline calx_v8 calx_v8_positive(calx_v8 a, calx_v8 yes, calx_v8 no)
 {
