@@ -23,7 +23,7 @@ struct calx_columns {
     double velocity[3][CALX_BATCH];         /* v_i - v_j of the centres; of a wall: at the contact point */
     double lever[2][CALX_BATCH];            /* from each centre to the contact point; 0 for a wall */
     double omega[2][3][CALX_BATCH];
-    double tilt[CALX_BATCH];                /* velocity_lag*dt/distance: turns the normal back to when the velocity was; 0 for walls */
+    double tilt[CALX_BATCH];                /* lag/distance: turns the normal back to when the velocity was; 0 for walls */
     double inverse_mass[CALX_BATCH], curvature[2][CALX_BATCH], temperature[2][CALX_BATCH];
     double history[CALX_HISTORY_MAX][CALX_BATCH];
     /* worked out */
@@ -35,6 +35,7 @@ struct calx_columns {
     double force[3][CALX_BATCH], twist[3][CALX_BATCH]; /* on i; n x ft: what the levers multiply */
     int32_t row[2][CALX_BATCH];
     size_t source[CALX_BATCH]; /* pair, or wall contact, the lane came from */
+    double lag;                /* s: velocities are those of so long before the positions */
     size_t n;                  /* last, so that every column is aligned */
 } __attribute__((aligned(64)));
 
@@ -54,6 +55,10 @@ void CALX_ISA(calx_wall_contacts)(struct calx_sim *, size_t block, double dt, bo
 /* integrate.c: see struct calx_engine. */
 double CALX_ISA(calx_block_before)(struct calx_sim *, size_t block, size_t stage);
 void CALX_ISA(calx_block_finish)(struct calx_sim *, size_t block, int stage, bool ahead);
+double CALX_ISA(calx_block_kernels)(struct calx_sim *, size_t block, size_t stage, const void *params,
+                                    calx_rows_kernel *translation, calx_rows_kernel *rotation);
+double CALX_ISA(calx_block_measure)(struct calx_sim *, size_t block, const void *params, calx_rows_measure *translation,
+                                    calx_rows_measure *rotation);
 
 /* The shares of dissipated work that become heat of body i and body j, for a pair type. */
 void CALX_ISA(calx_heat_shares)(const struct calx_sim *, size_t material_i, size_t material_j, double share[2]);

@@ -169,7 +169,7 @@ static bool heat_flows(const struct calx_block_view *b, struct calx_columns *c, 
 {
     struct calx_sim *s = b->s;
     bool rows = b->conduct && !s->plan->global_heat;
-    bool dissipation = s->features.temperature && s->scene->from_dissipation > 0.0 && b->dt > 0.0;
+    bool dissipation = s->features.temperature && s->scene->from_dissipation > 0.0 && b->dt > 0.0 && !s->trial;
     if (b->conduct && !rows)
         add_edges(b, c);
     if (rows)
@@ -226,7 +226,8 @@ static void process_batch(const struct calx_block_view *b, size_t type, struct c
 {
     struct calx_sim *s = b->s;
     CALX_ISA(calx_evaluate_batch)(s->plan, type, b->dt, b->conduct, c, b->clock);
-    CALX_ISA(calx_gather_keep)(s, c);
+    if (!s->trial)
+        CALX_ISA(calx_gather_keep)(s, c);
     add_to_rows(b, c, heat_flows(b, c, type));
     tally_pairs(b, c);
     calx_timing_lap(b->clock, CALX_PHASE_SCATTER);
@@ -267,6 +268,7 @@ static void block_forces(struct calx_sim *s, size_t block, double dt, bool condu
     struct calx_columns *c = s->columns[omp_get_thread_num()];
     size_t rows = (size_t)(b.block->own + b.block->ghosts);
     b.clock = calx_timing_clock(s);
+    c->lag = s->lag;
     calx_timing_restart(b.clock);
     fetch_block(s, b.block);
     memset(b.tally, 0, sizeof *b.tally);
@@ -289,7 +291,7 @@ static void block_energy(struct calx_sim *s, size_t block, double *energy)
 {
     struct calx_block_view b = view_block(s, block, 0.0, false);
     struct calx_columns *c = s->columns[omp_get_thread_num()];
-    b.tally->energy = 0.0;
+    b.tally->energy = c->lag = 0.0;
     refresh_ghosts(s, b.block);
     each_batch(&b, c, add_energy);
     CALX_ISA(calx_wall_contacts)(s, block, 0.0, false, c, &b.tally->energy, NULL);
@@ -310,6 +312,7 @@ static void block_network(struct calx_sim *s, size_t block, const struct calx_si
     struct calx_block_view b = view_block(s, block, 0.0, s->plan->conductance != NULL);
     struct calx_columns *c = s->columns[omp_get_thread_num()];
     b.sink = sink;
+    c->lag = 0.0;
     refresh_ghosts(s, b.block);
     each_batch(&b, c, show_batch);
     CALX_ISA(calx_wall_contacts)(s, block, 0.0, b.conduct, c, NULL, sink);
@@ -317,4 +320,5 @@ static void block_network(struct calx_sim *s, size_t block, const struct calx_si
 
 const struct calx_engine CALX_ISA(calx_engine) = {
     .block_forces = block_forces, .block_energy = block_energy, .block_network = block_network,
-    .block_before = CALX_ISA(calx_block_before), .block_finish = CALX_ISA(calx_block_finish)};
+    .block_before = CALX_ISA(calx_block_before), .block_finish = CALX_ISA(calx_block_finish),
+    .block_kernels = CALX_ISA(calx_block_kernels), .block_measure = CALX_ISA(calx_block_measure)};

@@ -112,19 +112,19 @@ static void normal_force_only(size_t n, const double *restrict fn, const column 
 }
 
 /* Half the way that bodies part at unit speed between the moment of the velocities and now; levers of R do not grow. */
-static double lever_growth(const struct calx_plan *p, double dt)
+static double lever_growth(const struct calx_plan *p, double lag)
 {
-    return p->motion_law && !p->models->lever_full ? 0.5 * p->motion_law->velocity_lag * dt : 0.0;
+    return p->models->lever_full ? 0.0 : 0.5 * lag;
 }
 
-static void kinematics(const struct calx_plan *p, double dt, struct calx_columns *c, size_t padded)
+static void kinematics(const struct calx_plan *p, struct calx_columns *c, size_t padded)
 {
     normal_velocity(padded, c->normal, c->velocity, c->tilt, c->vn);
     if (!(p->needs & CALX_NEEDS_TANGENT))
         return;
     column w[3];
     if (p->needs & CALX_NEEDS_ROTATION)
-        lever_spin(padded, lever_growth(p, dt), c->vn, c->lever, c->omega[0], c->omega[1], w);
+        lever_spin(padded, lever_growth(p, c->lag), c->vn, c->lever, c->omega[0], c->omega[1], w);
     else
         memset(w, 0, sizeof w);
     tangential_velocity(padded, c->normal, c->velocity, w, c->tilt, c->vt);
@@ -202,7 +202,7 @@ void CALX_ISA(calx_evaluate_batch)(const struct calx_plan *p, size_t type, doubl
         memset(c->ft, 0, sizeof c->ft);
     if (p->needs & CALX_NEEDS_SPIN)
         memset(c->torque, 0, sizeof c->torque);
-    kinematics(p, dt, c, padded);
+    kinematics(p, c, padded);
     calx_timing_lap(clock, CALX_PHASE_KINEMATICS);
     run_laws(p, type, dt, c, clock);
     if (p->needs & CALX_NEEDS_TANGENT)

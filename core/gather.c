@@ -131,7 +131,7 @@ void CALX_ISA(calx_gather_batch)(const struct calx_block_view *b, struct calx_co
     const struct calx_plan *plan = b->s->plan;
     size_t padded = calx_padded(c->n);
     bool centred = !plan->models->lever_full;
-    double lag = plan->motion_law && centred ? plan->motion_law->velocity_lag * b->dt : 0.0;
+    double lag = centred ? c->lag : 0.0;
     pad(c, padded);
     for (size_t lane = 0; lane < padded; lane += 8) {
         gather_velocities(b, c, lane);

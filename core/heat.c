@@ -35,7 +35,7 @@ static void keep_store(struct calx_sim *s)
     for (size_t b = 0; b < s->block_count; b++)
         for (int32_t k = 0; k < s->blocks[b].own; k++) {
             int32_t row = s->blocks[b].first + k;
-            s->r.heat_store[row] += calx_row_a(s, row)[7] * s->plan->dt;
+            s->r.heat_store[row] += calx_row_a(s, row)[7] * s->dt_now;
         }
 }
 

@@ -4,30 +4,33 @@
  * its particles and turns forces into accelerations: a = F/m + g, angular a = torque/I. A fixed body has 1/m = 0 and
  * does not accelerate.
  */
+#include <math.h>
+#include <string.h>
+
 #include "core/columns.h"
 #include "core/timing.h"
 #include "core/vector.h"
 
-static struct calx_rows translation_rows(struct calx_sim *s, const struct calx_row_block *b, double **extra)
+static struct calx_rows translation_rows(struct calx_sim *s, const struct calx_row_block *b, size_t stage, double **extra)
 {
-    double dt = s->plan->dt;
+    double dt = s->rows_dt;
     for (size_t k = 0; k < CALX_EXTRA_MAX; k++)
         extra[k] = s->r.extra[k] ? s->r.extra[k] + 4 * (size_t)b->first : NULL;
     return (struct calx_rows){.size = sizeof(struct calx_rows), .n = (size_t)b->own, .stride = s->r.stride,
                               .dt = {dt, dt, s->scene->dimension == 3 ? dt : 0.0, 0.0},
                               .x = calx_row_x(s, b->first), .v = calx_row_v(s, b->first),
-                              .a = calx_row_a(s, b->first), .extra = extra};
+                              .a = calx_row_a(s, b->first), .extra = extra, .stage = stage};
 }
 
-static struct calx_rows rotation_rows(struct calx_sim *s, const struct calx_row_block *b, double **extra)
+static struct calx_rows rotation_rows(struct calx_sim *s, const struct calx_row_block *b, size_t stage, double **extra)
 {
-    double dt = s->plan->dt, in_plane = s->scene->dimension == 3 ? dt : 0.0;
+    double dt = s->rows_dt, in_plane = s->scene->dimension == 3 ? dt : 0.0;
     for (size_t k = 0; k < CALX_EXTRA_MAX; k++)
         extra[k] = s->r.extra[CALX_EXTRA_MAX + k] ? s->r.extra[CALX_EXTRA_MAX + k] + 4 * (size_t)b->first
                                                   : NULL;
     return (struct calx_rows){.size = sizeof(struct calx_rows), .n = (size_t)b->own, .stride = s->r.stride,
                               .dt = {in_plane, in_plane, dt, 0.0}, .v = calx_row_v(s, b->first) + 4,
-                              .a = calx_row_a(s, b->first) + 4, .extra = extra};
+                              .a = calx_row_a(s, b->first) + 4, .extra = extra, .stage = stage};
 }
 
 static double largest_speed2(const struct calx_sim *s, const struct calx_row_block *b)
@@ -41,21 +44,65 @@ static double largest_speed2(const struct calx_sim *s, const struct calx_row_blo
     return largest;
 }
 
+/* The kernels of one block; translation first. */
+static void run_kernels(struct calx_sim *s, const struct calx_row_block *b, size_t stage, const void *params,
+                        calx_rows_kernel *translation, calx_rows_kernel *rotation)
+{
+    double *extra[CALX_EXTRA_MAX];
+    struct calx_rows rows = translation_rows(s, b, stage, extra);
+    if (translation)
+        translation(params, &rows);
+    if (s->features.rotation && rotation) {
+        rows = rotation_rows(s, b, stage, extra);
+        rotation(params, &rows);
+    }
+}
+
+double CALX_ISA(calx_block_kernels)(struct calx_sim *s, size_t block, size_t stage, const void *params,
+                                    calx_rows_kernel *translation, calx_rows_kernel *rotation)
+{
+    const struct calx_row_block *b = &s->blocks[block];
+    double start[4 * CALX_BLOCK], most = 0.0;
+    const double *x = calx_row_x(s, b->first);
+    memcpy(start, x, 4 * (size_t)b->own * sizeof *start);
+    run_kernels(s, b, stage, params, translation, rotation);
+    for (size_t i = 0; i < (size_t)b->own; i++) {
+        double d[3] = {x[4 * i] - start[4 * i], x[4 * i + 1] - start[4 * i + 1], x[4 * i + 2] - start[4 * i + 2]};
+        double moved2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+        most = moved2 > most ? moved2 : most;
+    }
+    return most;
+}
+
+double CALX_ISA(calx_block_measure)(struct calx_sim *s, size_t block, const void *params, calx_rows_measure *translation,
+                                    calx_rows_measure *rotation)
+{
+    const struct calx_row_block *b = &s->blocks[block];
+    double *extra[CALX_EXTRA_MAX];
+    struct calx_rows rows = translation_rows(s, b, 0, extra);
+    double most = translation ? translation(params, &rows) : 0.0;
+    if (!s->features.rotation || !rotation)
+        return most;
+    rows = rotation_rows(s, b, 0, extra);
+    double other = rotation(params, &rows);
+    return other > most || isnan(other) ? other : most;
+}
+
 double CALX_ISA(calx_block_before)(struct calx_sim *s, size_t block, size_t stage)
 {
     const struct calx_row_block *b = &s->blocks[block];
     const struct calx_motion_integrator *law = s->plan->motion_law;
     struct calx_clock *clock = calx_timing_clock(s);
-    double *extra[CALX_EXTRA_MAX];
+    calx_rows_kernel *move = law->translation[stage].before, *turn = law->rotation[stage].before;
+    double speed2;
     calx_timing_restart(clock);
-    struct calx_rows rows = translation_rows(s, b, extra);
-    if (law->translation[stage].before)
-        law->translation[stage].before(s->plan->motion_params, &rows);
-    if (s->features.rotation && law->rotation[stage].before) {
-        rows = rotation_rows(s, b, extra);
-        law->rotation[stage].before(s->plan->motion_params, &rows);
+    if (law->drifts) {
+        run_kernels(s, b, stage, s->plan->motion_params, move, turn);
+        speed2 = largest_speed2(s, b);
+    } else {
+        speed2 = CALX_ISA(calx_block_kernels)(s, block, stage, s->plan->motion_params, move, turn) /
+                 (s->plan->dt * s->plan->dt);
     }
-    double speed2 = largest_speed2(s, b);
     calx_timing_lap(clock, CALX_PHASE_INTEGRATE);
     return speed2;
 }
@@ -103,17 +150,15 @@ static double accelerate_half(struct calx_sim *s, const struct calx_row_block *b
     return (finite[0] + finite[2]) + (finite[1] + finite[3]);
 }
 
-static void after(struct calx_sim *s, const struct calx_row_block *b, size_t stage)
+static void after(struct calx_sim *s, size_t block, size_t stage)
 {
     const struct calx_motion_integrator *law = s->plan->motion_law;
-    double *extra[CALX_EXTRA_MAX];
-    struct calx_rows rows = translation_rows(s, b, extra);
-    if (law->translation[stage].after)
-        law->translation[stage].after(s->plan->motion_params, &rows);
-    if (s->features.rotation && law->rotation[stage].after) {
-        rows = rotation_rows(s, b, extra);
-        law->rotation[stage].after(s->plan->motion_params, &rows);
-    }
+    calx_rows_kernel *move = law->translation[stage].after, *turn = law->rotation[stage].after;
+    if (law->drifts || !move)
+        run_kernels(s, &s->blocks[block], stage, s->plan->motion_params, move, turn);
+    else
+        s->tallies[block].moved2 =
+            CALX_ISA(calx_block_kernels)(s, block, stage, s->plan->motion_params, move, turn);
 }
 
 void CALX_ISA(calx_block_finish)(struct calx_sim *s, size_t block, int stage, bool ahead)
@@ -124,8 +169,8 @@ void CALX_ISA(calx_block_finish)(struct calx_sim *s, size_t block, int stage, bo
     collect_ghosts(s, b);
     s->tallies[block].finite = s->r.stride == 8 ? accelerate_full(s, b) : accelerate_half(s, b);
     if (stage >= 0)
-        after(s, b, (size_t)stage);
+        after(s, block, (size_t)stage);
     calx_timing_lap(clock, CALX_PHASE_INTEGRATE);
     if (ahead)
-        s->tallies[block].speed2 = CALX_ISA(calx_block_before)(s, block, 0);
+        s->tallies[block].speed2 = CALX_ISA(calx_block_before)(s, block, s->plan->motion_law->start);
 }

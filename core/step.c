@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * One time step, as the algorithm reads. A global integrator would drive these same services itself.
+ * One time step, as the algorithm reads: motion (motion.c), heat, guards, the end of stages. And what motion is made of: one force
+ * evaluation over all blocks, gravity.
  */
 #include <math.h>
 #include <omp.h>
@@ -63,13 +64,13 @@ int calx_step_forces(struct calx_sim *s, double dt, bool conduct, int stage, boo
     if (calx_neighbours_stale(s))
         CALX_TRY(calx_neighbours_build(s, e));
     sweep(s, dt, conduct, stage, ahead);
-    if (s->features.wall_contacts)
+    if (s->features.wall_contacts && !s->trial)
         swap_wall_contacts(s);
     return 0;
 }
 
-/* Gravity at time t; what a change of it does to the potential energy is work from outside. */
-static void set_gravity(struct calx_sim *s, double t)
+/* What a change of gravity does to the potential energy is work from outside. */
+void calx_step_set_gravity(struct calx_sim *s, double t)
 {
     static const double nowhere[3];
     double change[3];
@@ -91,65 +92,18 @@ static void set_gravity(struct calx_sim *s, double t)
         }
 }
 
-static void take_speed(struct calx_sim *s, double speed2)
-{
-    s->speed = sqrt(speed2);
-    s->drift += s->speed * s->plan->dt;
-}
-
-/* The kernels before this step's evaluation have run at the end of the last. */
-static void go_ahead(struct calx_sim *s)
-{
-    double largest = 0.0;
-    for (size_t b = 0; b < s->block_count; b++)
-        largest = fmax(largest, s->tallies[b].speed2);
-    take_speed(s, largest);
-}
-
-static void go_before(struct calx_sim *s, size_t stage)
-{
-    double largest = 0.0;
-    if (s->team <= 1) {
-        for (size_t b = 0; b < s->block_count; b++)
-            largest = fmax(largest, s->engine->block_before(s, b, stage));
-    } else {
-#pragma omp parallel for schedule(static) num_threads(s->team) reduction(max : largest)
-        for (size_t b = 0; b < s->block_count; b++) {
-            double speed2 = s->engine->block_before(s, b, stage);
-            largest = speed2 > largest ? speed2 : largest;
-        }
-    }
-    take_speed(s, largest);
-}
-
-static bool heat_due(const struct calx_sim *s)
+bool calx_step_heat_due(const struct calx_sim *s)
 {
     return s->plan->conductance && (s->stage_step + 1) % s->plan->heat_every == 0;
-}
-
-static int advance_motion(struct calx_sim *s, double t, bool ahead, struct calx_error *e)
-{
-    double dt = s->plan->dt;
-    for (size_t stage = 0; stage < s->plan->motion_law->stages; stage++) {
-        if (s->ahead)
-            go_ahead(s);
-        else
-            go_before(s, stage);
-        s->ahead = ahead;
-        if (stage == 0)
-            calx_walls_move(s, t, dt);
-        CALX_TRY(calx_step_forces(s, stage == 0 ? dt : 0.0, heat_due(s), (int)stage, ahead, e));
-        if (stage == 0)
-            calx_ledger_step(s, dt);
-    }
-    return 0;
 }
 
 /* Bodies at rest for ever: contacts serve the conduction of heat alone. */
 static int advance_frozen(struct calx_sim *s, double t, struct calx_error *e)
 {
+    calx_step_set_gravity(s, t);
     calx_walls_move(s, t, s->plan->dt);
-    CALX_TRY(calx_step_forces(s, 0.0, heat_due(s), -1, false, e));
+    s->dt_now = 0.0;
+    CALX_TRY(calx_step_forces(s, 0.0, calx_step_heat_due(s), -1, false, e));
     return 0;
 }
 
@@ -194,7 +148,9 @@ static int change_models(struct calx_sim *s, const struct calx_plan *plan, struc
     s->built = false;
     if (!s->pairs.history)
         return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for contact history");
+    calx_motion_forget(s);
     CALX_TRY(calx_step_forces(s, 0.0, false, -1, false, e));
+    CALX_TRY(calx_motion_start(s, e));
     s->outside_work += calx_ledger_mechanical(s) - before;
     return 0;
 }
@@ -207,7 +163,7 @@ int calx_step_begin_stage(struct calx_sim *s, int stage, struct calx_error *e)
     s->stage_start = s->time;
     s->held = 0.0;
     calx_walls_begin_stage(s);
-    set_gravity(s, s->time);
+    calx_step_set_gravity(s, s->time);
     if (plan != s->plan && s->built)
         CALX_TRY(change_models(s, plan, e));
     s->plan = plan;
@@ -219,9 +175,8 @@ int calx_step_begin_stage(struct calx_sim *s, int stage, struct calx_error *e)
 static int step(struct calx_sim *s, bool ahead, struct calx_error *e)
 {
     double t = s->stage_start + (double)(s->stage_step + 1) * s->plan->dt;
-    s->dt_now = s->plan->motion ? s->plan->dt : 0.0;
-    set_gravity(s, t);
-    CALX_TRY(s->plan->motion ? advance_motion(s, t, ahead, e) : advance_frozen(s, t, e));
+    s->wall_step = s->moved = 0.0;
+    CALX_TRY(s->plan->motion ? calx_motion_step(s, t, ahead, e) : advance_frozen(s, t, e));
     s->step++;
     s->stage_step++;
     s->time = t;

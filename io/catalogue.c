@@ -111,7 +111,7 @@ static void print_needs(FILE *out, const struct calx_demand *demand)
     } needs[] = {
         {CALX_NEEDS_TANGENT, "tangential velocity"}, {CALX_NEEDS_ROTATION, "rotation"},
         {CALX_NEEDS_TEMPERATURE, "temperatures"},    {CALX_NEEDS_NORMAL_FORCE, "normal force"},
-        {CALX_NEEDS_SPIN, "relative spin"},
+        {CALX_NEEDS_SPIN, "relative spin"},          {CALX_USES_VELOCITY, "velocities"},
     };
     const char *separator = "  needs      ";
     for (size_t k = 0; k < sizeof needs / sizeof *needs; k++)

@@ -156,7 +156,8 @@ static const char *const history[] = {"spring", "force", "energy"};
 static const struct calx_contact_law law = {
     .provides = CALX_TANGENTIAL,
     .depends = CALX_NORMAL,
-    .demand = {.needs = CALX_NEEDS_TANGENT | CALX_NEEDS_ROTATION | CALX_NEEDS_NORMAL_FORCE,
+    .demand = {.needs = CALX_NEEDS_TANGENT | CALX_NEEDS_ROTATION | CALX_NEEDS_NORMAL_FORCE |
+                        CALX_USES_VELOCITY,
                .history_vectors = 2,
                .history_scalars = 1},
     .history = history,
