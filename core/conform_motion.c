@@ -281,6 +281,20 @@ static void check_drifts(const struct calx_choice *c, struct calx_conformance *r
                       c->where);
 }
 
+/* The descriptor, which catalogues show, says what the defaults give. */
+static void check_descriptor(const struct calx_choice *c, struct calx_conformance *report)
+{
+    const struct calx_motion_integrator *shown = c->plugin->law, *m = &c->motion;
+    size_t wrong = (shown->order != m->order) + (shown->stages != m->stages) +
+                   (shown->start != m->start) + (shown->reversible != m->reversible) +
+                   (shown->symplectic != m->symplectic) + (shown->velocity_lag != m->velocity_lag);
+    wrong += !(fabs(shown->stability / m->stability - 1) < 0.01) +
+             !(fabs(shown->damping / m->damping - 1) < 0.01);
+    if (c->where[0] == 0)
+        calx_conform_note(report, "the descriptor is that of the defaults", (double)wrong, 0,
+                          c->where);
+}
+
 void calx_conform_motion(struct calx_choice *c, struct calx_conformance *report)
 {
     const struct calx_motion_integrator *m = &c->motion;
@@ -288,6 +302,7 @@ void calx_conform_motion(struct calx_choice *c, struct calx_conformance *report)
         calx_conform_note(report, "at most 8 rows of extra state", 1, 0, c->where);
         return;
     }
+    check_descriptor(c, report);
     check_order(c, report, false, "order of motion as declared");
     check_order(c, report, true, "order of spin as declared");
     if (m->stages) {

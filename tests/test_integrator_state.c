@@ -13,8 +13,11 @@
 
 static const struct given NONE[] = {{NULL, 0.0}}, GEAR3[] = {{"order", 0.0}, {NULL, 0.0}};
 
-/* closes: the residual of the ledger, relative to the energy that took part, at 50 steps per
- * contact. Integrators of first order gain or lose energy by themselves. */
+/* closes: the residual of the ledger, relative to the energy that took part, at n = 50 steps per
+ * contact: (pi/n)^2/2 = 2e-3 where laws see the velocity of the middle of the step. Where they see
+ * that of its end, they book dissipation with it, half a step's change of velocity off: pi/(2 n) =
+ * 0.03, more for several contacts of a grain. Of those of first order and adams-bashforth-2 the
+ * energy itself is not better than that. */
 static const struct {
     const char *name;
     const struct given *given;
@@ -28,6 +31,9 @@ static const struct {
     {"adams-bashforth-2", NONE, 0.1},
     {"gear", NONE, 0.05},
     {"gear", GEAR3, 0.05},
+    {"rk4", NONE, 0.05},
+    {"yoshida", NONE, 0.05},
+    {"newmark", NONE, 0.05},
 };
 enum { COUNT = sizeof integrators / sizeof *integrators };
 
@@ -208,12 +214,44 @@ START_TEST(borders_and_orders_do_not_matter)
     for (int32_t row = 0; row < ROW; row++)
         crossed += here.sim->r.image[row][0] != 0;
     ck_assert_uint_gt(crossed, 3);
-    ck_assert_int_gt(often.sim->rebuilds, 10 * here.sim->rebuilds);
+    ck_assert_int_gt(often.sim->rebuilds, 5 * here.sim->rebuilds);
     compare(&here, &there, 5.6, integrators[_i].name);
     compare(&here, &often, 0.0, integrators[_i].name);
     run_free(&here);
     run_free(&there);
     run_free(&often);
+}
+END_TEST
+
+/* ---- history ---- */
+
+/* A grain pressed on a floor slides by less than it takes to slip: the spring is what it went times
+ * the stiffness, to the share of a step that its velocity lags or leads; a trial that left its
+ * history behind would stretch it two or three times. */
+START_TEST(trials_leave_no_history)
+{
+    const double stiffness = 1e5, speed = 1e-3;
+    struct calx_scene *s = scene_create(3, CALX_SPHERES, 1);
+    double mass = 4.0 / 3.0 * M_PI * 1000.0, dt = 0.02 * sqrt(mass / stiffness);
+    scene_model1(s, CALX_CONTACT, "linear", "stiffness", stiffness);
+    scene_model(s, CALX_CONTACT, "coulomb",
+                (struct given[]){{"stiffness", stiffness}, {"friction", 10.0}, {NULL, 0.0}});
+    scene_model(s, CALX_MOTION, integrators[_i].name, integrators[_i].given);
+    s->models[0].dt = dt;
+    scene_plane(s, scene_wall(s, "floor", 0), (double[3]){0, 0, 0}, (double[3]){0, 1, 0});
+    scene_put(s, 0, 0.0, 0.999, 0.0, 1.0);
+    scene_move(s, 0, speed, 0.0, 0.0);
+    struct run r = run_start(s, 1);
+    double went = 0.0; /* of the point in touch: the spin takes part */
+    for (int k = 0; k < 10; k++) {
+        double before = run_v(&r, 0)[0] + 0.9995 * run_v(&r, 0)[6];
+        run_steps(&r, 1);
+        went += 0.5 * dt * (before + run_v(&r, 0)[0] + 0.9995 * run_v(&r, 0)[6]);
+    }
+    double spring = -r.sim->wall_history[0];
+    ck_assert_msg(fabs(spring / (stiffness * went) - 1.0) < 0.15, "%s: %g N for %g m",
+                  integrators[_i].name, spring, went);
+    run_free(&r);
 }
 END_TEST
 
@@ -223,6 +261,7 @@ int main(void)
     TCase *tcase = tcase_create("all");
     tcase_add_loop_test(tcase, threads_and_stops_change_nothing, 0, COUNT);
     tcase_add_loop_test(tcase, borders_and_orders_do_not_matter, 0, COUNT);
+    tcase_add_loop_test(tcase, trials_leave_no_history, 0, COUNT);
     suite_add_tcase(suite, tcase);
     SRunner *runner = srunner_create(suite);
     srunner_run_all(runner, CK_ENV);

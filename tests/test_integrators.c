@@ -13,7 +13,9 @@
 #include "tests/impacts.h"
 
 static const struct given NONE[] = {{NULL, 0.0}}, GEAR3[] = {{"order", 0.0}, {NULL, 0.0}},
-                          GEAR4[] = {{"order", 1.0}, {NULL, 0.0}};
+                          GEAR4[] = {{"order", 1.0}, {NULL, 0.0}},
+                          TRAPEZOID[] = {{"beta", 0.25}, {"evaluations", 1.0}, {NULL, 0.0}},
+                          DISSIPATIVE[] = {{"gamma", 0.6}, {NULL, 0.0}};
 
 /* ---- the oscillator ---- */
 
@@ -71,6 +73,11 @@ static const struct {
     {"leapfrog", NONE, false, 4.13e-3, -6.4e-4, 2.0},
     {"symplectic-euler", NONE, false, NAN, NAN, 1.0},
     {"adams-bashforth-2", NONE, false, NAN, NAN, 2.0},
+    {"newmark", NONE, false, 4.13e-3, -6.4e-4, 2.0},
+    {"newmark", TRAPEZOID, false, NAN, NAN, 2.0},
+    {"newmark", DISSIPATIVE, false, NAN, NAN, 1.0},
+    {"rk4", NONE, false, NAN, NAN, 4.0},
+    {"yoshida", NONE, false, NAN, NAN, 4.0},
     {"gear", GEAR3, false, NAN, NAN, 3.0},
     {"gear", GEAR4, false, NAN, NAN, 4.0},
     {"gear", NONE, false, 1.4e-6, 4.47e-5, 5.2},
@@ -151,6 +158,10 @@ static const struct {
     {"gear", GEAR3, 3.0},
     {"gear", GEAR4, 4.0},
     {"gear", NONE, 5.0},
+    {"rk4", NONE, 4.0},
+    {"yoshida", NONE, 4.0},
+    {"newmark", NONE, 2.0},
+    {"newmark", TRAPEZOID, 2.0},
 };
 
 START_TEST(floors_and_gravity_at_the_right_moment)
@@ -234,8 +245,9 @@ static const struct {
 } impacts[] = {{false, 1.0}, {false, 0.5}, {true, 1.0}, {true, 0.5}};
 
 /* Table of the design: errors at 50 steps per contact and orders. The orders fit within 0.2, the
- * errors within 15 % (two digits, and n counted on the elastic or the damped duration). gear with its other
- * alpha_0 does the same: no better than velocity-verlet. */
+ * errors within 15 % (two digits, and n counted on the elastic or the damped duration). gear with
+ * its other alpha_0 does the same: no better than velocity-verlet. newmark is the table's velocity
+ * Verlet with centred damping. yoshida is not in the table. */
 static const struct {
     const char *integrator;
     const struct given *given;
@@ -248,6 +260,9 @@ static const struct {
     {"verlet", NONE, false, {2.0e-4, 6.1e-3, 2.8e-5, 2.4e-3}, {2.0, 1.0, 2.5, 1.05}},
     {"gear", NONE, true, {2.0e-4, 5.6e-3, 2.8e-5, 1.6e-3}, {2.0, 1.0, 2.5, 1.25}},
     {"gear", NONE, false, {2.0e-4, 5.6e-3, 2.8e-5, 1.6e-3}, {2.0, 1.0, 2.5, 1.25}},
+    {"rk4", NONE, false, {8.3e-5, 3.2e-3, 1.0e-5, 7.9e-4}, {2.0, 1.0, 2.5, 1.25}},
+    {"yoshida", NONE, false, {NAN, NAN, NAN, NAN}, {2.0, 1.0, 2.5, 1.05}},
+    {"newmark", NONE, false, {2.0e-4, 5.5e-3, 2.8e-5, 1.6e-3}, {2.0, 1.0, 2.5, 1.25}},
 };
 
 START_TEST(collision_orders)
@@ -264,10 +279,10 @@ START_TEST(collision_orders)
                       "%s, %s e = %g: order %.3f instead of %g (%.3g %.3g %.3g %.3g)",
                       colliders[_i].integrator, law, impacts[k].e, order, colliders[_i].order[k],
                       errors[0], errors[1], errors[2], errors[3]);
-        ck_assert_msg(fabs(errors[1] / colliders[_i].error[k] - 1.0) < 0.15,
-                      "%s, %s e = %g: error %.3g instead of %g at 50 steps",
-                      colliders[_i].integrator, law, impacts[k].e, errors[1],
-                      colliders[_i].error[k]);
+        ck_assert_msg(
+            isnan(colliders[_i].error[k]) || fabs(errors[1] / colliders[_i].error[k] - 1.0) < 0.15,
+            "%s, %s e = %g: error %.3g instead of %g at 50 steps", colliders[_i].integrator, law,
+            impacts[k].e, errors[1], colliders[_i].error[k]);
     }
 }
 END_TEST
@@ -280,8 +295,10 @@ START_TEST(steps_beyond_the_limit_are_refused)
     static const struct {
         const char *integrator;
         double most; /* omega dt */
-    } rows[] = {
-        {"euler", 0.1106}, {"adams-bashforth-2", 0.5057}, {"gear", 0.875}, {"leapfrog", 2.0}};
+    } rows[] = {{"euler", 0.1106}, {"adams-bashforth-2", 0.5057},
+                {"gear", 0.875},   {"leapfrog", 2.0},
+                {"rk4", 2.828},    {"yoshida", 1.573},
+                {"newmark", 2.0}};
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         struct calx_error e = {0};
         run_refused(oscillator(rows[k].integrator, NONE, false, 1.01 * rows[k].most), &e);

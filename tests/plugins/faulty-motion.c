@@ -25,7 +25,8 @@ enum {
     START,
     TWO,
     MOMENT,
-    IDLE
+    IDLE,
+    SHOWN
 };
 
 enum { HALVES = FAULT == TWO || FAULT == MOMENT ? 2 : 1 };
@@ -113,6 +114,14 @@ static const struct calx_stage rotation[] = {
 #endif
     {.before = spin_before, .after = spin_after}};
 
+static int prepare(const struct calx_setup *setup, void *params,
+                   struct calx_motion_integrator *actual, char *why, size_t why_size)
+{
+    (void)setup, (void)params, (void)why, (void)why_size;
+    actual->order = FAULT == SHOWN ? 1 : actual->order;
+    return 0;
+}
+
 static const struct calx_motion_integrator law = {.order = 2,
                                                   .stages = FAULT == IDLE ? 2 : HALVES,
                                                   .reversible = 1,
@@ -125,7 +134,8 @@ static const struct calx_motion_integrator law = {.order = 2,
                                                                                : 2 * HALVES,
                                                   .velocity_lag = FAULT == LAG ? 0 : 0.5 / HALVES,
                                                   .translation = translation,
-                                                  .rotation = rotation};
+                                                  .rotation = rotation,
+                                                  .prepare = prepare};
 
 CALX_EXPORT const struct calx_plugin calx_plugin = {CALX_DESCRIPTOR_PREFIX,
                                                     .kind = CALX_MOTION,
