@@ -328,7 +328,8 @@ struct calx_network {
 };
 
 struct calx_temperature_integrator {
-    uint32_t order;
+    uint32_t order;         /* in a network that stays */
+    uint32_t exact;         /* 1: no error in a network that stays, but for a tolerance of 1e-10 or better by default */
     uint32_t unconditional; /* 1: stable for any step */
     double stability;       /* largest lambda*dt, lambda the fastest decay rate; ignored if unconditional */
     int (*prepare)(const struct calx_setup *, void *params, char *why, size_t why_size);

@@ -149,7 +149,10 @@ static void print_motion(FILE *out, const void *law)
 static void print_temperature(FILE *out, const void *law)
 {
     const struct calx_temperature_integrator *l = law;
-    fprintf(out, "  accuracy   order %u, ", l->order);
+    if (l->exact)
+        fprintf(out, "  accuracy   exact while the network stays, ");
+    else
+        fprintf(out, "  accuracy   order %u, ", l->order);
     if (l->unconditional)
         fprintf(out, "stable for any step\n");
     else

@@ -101,6 +101,7 @@ static const struct {
     {"faulty-temperature-limit", "stability limit as declared"},
     {"faulty-temperature-any_step", "stable for any step"},
     {"faulty-temperature-solver", "heat is kept"},
+    {"faulty-temperature-exact", "exact while the network stays"},
 };
 
 START_TEST(test_each_check_bites)
@@ -142,7 +143,7 @@ START_TEST(test_right_variants_pass)
 END_TEST
 
 /* The plugins of this issue: the suite runs on them and on whatever else the folders hold. */
-enum { PLUGINS = 20 };
+enum { PLUGINS = 21 };
 
 START_TEST(test_every_plugin_passes)
 {
