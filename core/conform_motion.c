@@ -30,7 +30,8 @@ static const double START = 2e-15;
 
 /* The error of position and velocity after a quarter more than a period, of which nothing is
  * special. */
-static double error_after(const struct calx_choice *c, size_t steps, bool spins)
+static double error_after(const struct calx_choice *c, size_t steps, bool spins,
+                          size_t *evaluations)
 {
     struct calx_oscillators s;
     double end = 2.5 * M_PI, worst = 0;
@@ -42,6 +43,7 @@ static double error_after(const struct calx_choice *c, size_t steps, bool spins)
                              : hypot(s.x[4 * i] - cos(end + phase), s.v[4 * i] + sin(end + phase));
         worst = error > worst || isnan(error) ? error : worst;
     }
+    *evaluations = s.evaluations;
     return s.failed ? NAN : worst;
 }
 
@@ -59,21 +61,24 @@ static double fitted_order(const double *error, size_t n)
 }
 
 /* Over five halvings, as far as round-off allows. A global integrator chooses sub-steps: its order
- * shows where they are the step, between some two of the errors. */
+ * shows where twice the steps take twice the evaluations, because each is one sub-step. */
 static double measured_order(const struct calx_choice *c, bool spins)
 {
     double error[HALVINGS + 1], best = 0;
-    size_t n = 0;
+    size_t n = 0, evaluations[HALVINGS + 1], compared = 0;
     for (size_t k = 0; k <= HALVINGS; k++) {
-        error[n] = error_after(c, (size_t)64 << k, spins);
+        error[n] = error_after(c, (size_t)64 << k, spins, &evaluations[n]);
         if (isnan(error[n]))
             return NAN;
         n += error[n] > ROUND_OFF;
     }
-    if (n < 2)
+    for (size_t k = 0; k + 1 < n && !c->motion.stages; k++)
+        if (10 * evaluations[k + 1] > 19 * evaluations[k]) {
+            best = fmax(best, log2(error[k] / error[k + 1]));
+            compared++;
+        }
+    if (n < 2 || (!c->motion.stages && !compared))
         return INFINITY;
-    for (size_t k = 0; k + 1 < n; k++)
-        best = fmax(best, log2(error[k] / error[k + 1]));
     return c->motion.stages ? fitted_order(error, n) : best;
 }
 

@@ -13,7 +13,8 @@
 struct drive {
     struct calx_sim *s;
     struct calx_error *e;
-    double t, walls; /* s: end of the step; where the walls are */
+    double t, end, walls; /* s: end of the step, as the engine and the integrator round it; where
+                             the walls are */
     bool failed, kept_at_end;
 };
 
@@ -73,12 +74,13 @@ static void keep_heat(struct calx_sim *s, double elapsed)
 static int evaluate(struct drive *d, const struct calx_evaluation *ask)
 {
     struct calx_sim *s = d->s;
-    bool end = ask->keep && ask->time >= d->t;
+    bool end = ask->keep && ask->time >= d->end;
+    double t = end ? d->t : ask->time;
     s->trial = !ask->keep;
     s->lag = ask->lag;
-    calx_step_set_gravity(s, ask->time);
-    calx_walls_move(s, ask->time, ask->time - d->walls);
-    d->walls = ask->time;
+    calx_step_set_gravity(s, t);
+    calx_walls_move(s, t, t - d->walls);
+    d->walls = t;
     CALX_TRY(calx_step_forces(s, ask->elapsed, end && calx_step_heat_due(s), -1, false, d->e));
     CALX_TRY(calx_guard_finite(s, d->e));
     if (!ask->keep)
@@ -102,7 +104,7 @@ static int forces(void *engine, const struct calx_evaluation *ask)
 int calx_motion_step_global(struct calx_sim *s, double t, struct calx_error *e)
 {
     const struct calx_plan *p = s->plan;
-    struct drive d = {.s = s, .e = e, .t = t, .walls = t - p->dt};
+    struct drive d = {.s = s, .e = e, .t = t, .end = (t - p->dt) + p->dt, .walls = t - p->dt};
     struct calx_motion_host host = {.size = sizeof host,
                                     .engine = &d,
                                     .t = t - p->dt,

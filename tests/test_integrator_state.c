@@ -34,6 +34,7 @@ static const struct {
     {"rk4", NONE, 0.05},
     {"yoshida", NONE, 0.05},
     {"newmark", NONE, 0.05},
+    {"cash-karp", NONE, 0.05},
 };
 enum { COUNT = sizeof integrators / sizeof *integrators };
 

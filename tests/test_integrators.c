@@ -287,6 +287,59 @@ START_TEST(collision_orders)
 }
 END_TEST
 
+/* ---- sub-steps by tolerance ---- */
+
+static const double TOLERANCES[] = {1e-5, 1e-7, 1e-9};
+enum { TOLERANCE_COUNT = sizeof TOLERANCES / sizeof *TOLERANCES };
+
+/* Each of at most 60 sub-steps in a period errs by tol R in position and tol R/dt in velocity. */
+START_TEST(errors_follow_the_tolerance)
+{
+    double last = INFINITY, energy;
+    for (size_t k = 0; k < TOLERANCE_COUNT; k++) {
+        struct given given[] = {{"tolerance", TOLERANCES[k]}, {NULL, 0.0}};
+        double dt = 2.0 * M_PI / 10.0, bound = 60.0 * TOLERANCES[k] * (1.0 + 1.0 / dt) / AMPLITUDE;
+        double error = oscillate("cash-karp", given, true, 10, 1, &energy);
+        ck_assert_msg(error < bound && error < 0.1 * last, "tolerance %g: error %g of %g",
+                      TOLERANCES[k], error, bound);
+        last = error;
+    }
+}
+END_TEST
+
+/* Onset and end of a contact do not limit it: each of at most 80 sub-steps errs by tol R/dt in
+ * velocity. One that passes a jump of the force between its nodes errs by up to 8 times what it
+ * sees of it: an eighth of the step times the jump, against 277/14336 of it. At dt of 20 steps per
+ * contact. */
+START_TEST(collisions_follow_the_tolerance)
+{
+    for (size_t law = 0; law < 4; law++)
+        for (size_t k = 0; k < TOLERANCE_COUNT; k++) {
+            struct given given[] = {{"tolerance", TOLERANCES[k]}, {NULL, 0.0}};
+            struct calx_scene *s =
+                shower("cash-karp", given, false, impacts[law].hertz, impacts[law].e, 20.0);
+            double bound = 100.0 * TOLERANCES[k] * RADIUS / s->models[0].dt, worst = 0.0;
+            struct run r = run_start(s, 1);
+            run_steps(&r, 60);
+            for (int64_t i = 0; i < PHASES; i++)
+                worst = fmax(worst, fabs(run_v(&r, i)[1] - impacts[law].e));
+            ck_assert_msg(worst < bound, "%s e = %g, tolerance %g: error %g of %g",
+                          impacts[law].hertz ? "hertz" : "linear", impacts[law].e, TOLERANCES[k],
+                          worst, bound);
+            run_free(&r);
+        }
+}
+END_TEST
+
+/* A floor and a gravity that move are met at the moments of the trials: to the tolerance, with 60
+ * sub-steps at least. */
+START_TEST(moving_floors_follow_the_tolerance)
+{
+    struct given given[] = {{"tolerance", 1e-11}, {NULL, 0.0}};
+    ck_assert_double_lt(swung("cash-karp", given, 60), 1e-8);
+}
+END_TEST
+
 /* ---- refusals ---- */
 
 /* Euler gains so much energy that at 50 steps per contact it is beyond its limit. */
@@ -319,6 +372,9 @@ int main(void)
     tcase_add_loop_test(tcase, floors_and_gravity_at_the_right_moment, 0,
                         sizeof driven / sizeof *driven);
     tcase_add_loop_test(tcase, collision_orders, 0, sizeof colliders / sizeof *colliders);
+    tcase_add_test(tcase, errors_follow_the_tolerance);
+    tcase_add_test(tcase, collisions_follow_the_tolerance);
+    tcase_add_test(tcase, moving_floors_follow_the_tolerance);
     tcase_add_test(tcase, steps_beyond_the_limit_are_refused);
     suite_add_tcase(suite, tcase);
     SRunner *runner = srunner_create(suite);
