@@ -42,8 +42,8 @@ struct calx_columns {
 
 /* ---- evaluate.c ---- */
 
-/* Of wall contacts: overlap, normal, velocity, omega, levers and excess to vn, vt and spin; turns the history with the normal. */
-void CALX_ISA(calx_evaluate_motion)(const struct calx_plan *, double dt, struct calx_columns *);
+/* Of wall contacts: normal, velocity (of `lag`, s, before), omega and levers to vn, vt and spin; turns the history with the normal. */
+void CALX_ISA(calx_evaluate_motion)(const struct calx_plan *, double lag, struct calx_columns *);
 
 /* Runs the laws and, if `conduct`, the conductance: fn to conductance. clock may be NULL. */
 void CALX_ISA(calx_evaluate_laws)(const struct calx_plan *, size_t type, double dt, bool conduct,
@@ -72,6 +72,10 @@ calx_pairs_finder CALX_ISA(calx_pairs_find);
 /* ---- integrate.c: see struct calx_engine ---- */
 
 double CALX_ISA(calx_block_before)(struct calx_sim *, size_t block, size_t stage);
+double CALX_ISA(calx_block_kernels)(struct calx_sim *, size_t block, size_t stage, const void *params,
+                                    calx_rows_kernel *translation, calx_rows_kernel *rotation);
+double CALX_ISA(calx_block_measure)(struct calx_sim *, size_t block, const void *params, calx_rows_measure *translation,
+                                    calx_rows_measure *rotation);
 void CALX_ISA(calx_block_finish)(struct calx_sim *, size_t block, const struct calx_pass *, double *a);
 
 #endif

@@ -3,7 +3,7 @@
  * The conformance suite: the report, and the choices of parameters that a plugin is tried with,
  * taken from its own table. Input: a plugin that the loader accepted. Output: the worst figure of
  * each check over all choices. The checks themselves are in conform_contact.c, conform_cycle.c,
- * conform_heat.c and conform_motion.c.
+ * conform_heat.c, conform_motion.c and conform_stability.c.
  */
 #include "core/conform.h"
 
@@ -115,8 +115,10 @@ static int prepare_conductance(struct calx_choice *c, char *why, size_t why_size
 
 static int prepare_motion(struct calx_choice *c, char *why, size_t why_size)
 {
-    const struct calx_motion_integrator *law = c->plugin->law;
-    return law->prepare ? law->prepare(&c->setup, c->params, why, why_size) : 0;
+    memcpy(&c->motion, c->plugin->law, sizeof c->motion);
+    return c->motion.prepare
+               ? c->motion.prepare(&c->setup, c->params, &c->motion, why, why_size)
+               : 0;
 }
 
 static int prepare_temperature(struct calx_choice *c, char *why, size_t why_size)
@@ -172,6 +174,8 @@ static bool choice_try(const struct calx_plugin *p, const struct calx_setup *set
     struct calx_choice c = {
         .plugin = p, .setup = *setup, .params = calloc(1, p->params_size ? p->params_size : 1)};
     int used = snprintf(c.where, sizeof c.where, "%s", setup->bodies == CALX_DISCS ? "discs" : "");
+    if (setup->uses_velocity)
+        used = snprintf(c.where, sizeof c.where, "forces use velocities");
     if (!c.params)
         return false;
     for (size_t i = 0; i < p->parameter_count; i++)
@@ -246,6 +250,12 @@ int calx_conform_run(const struct calx_plugin *p, struct calx_conformance *repor
         accepted += calx_choice_each(p, &calx_conform_setups[k], report, kinds[p->kind].suite, why);
         if (p->kind == CALX_CONTACT || p->kind == CALX_CONDUCTANCE)
             calx_choice_each_bound(p, &calx_conform_setups[k], report, calx_trial_check_finite);
+    }
+    if (p->kind == CALX_MOTION) {
+        struct calx_setup uses = calx_conform_setups[0];
+        uses.uses_velocity = 1;
+        calx_choice_each(p, &uses, report, calx_conform_motion, why);
+        calx_choice_each_bound(p, &calx_conform_setups[0], report, calx_conform_motion);
     }
     calx_conform_note(report, "typical values are accepted", accepted == 0, 0, accepted ? "" : why);
     return 0;

@@ -23,7 +23,7 @@ struct calx_check {
                         made */
 };
 
-enum { CALX_CHECKS_MAX = 24 };
+enum { CALX_CHECKS_MAX = 32 };
 
 struct calx_conformance {
     size_t count, failed;

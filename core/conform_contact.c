@@ -73,6 +73,26 @@ static void check_acts(const struct calx_choice *c, struct calx_conformance *rep
     calx_conform_note(report, "contacts act", idle / (double)t.n, 0.9, c->where);
 }
 
+/* Integrators take other coefficients where forces depend on velocities: a law must say so. */
+static void check_velocities(const struct calx_choice *c, struct calx_conformance *report)
+{
+    struct calx_trial slow, fast;
+    size_t differ = 0;
+    if (c->demand.needs & CALX_USES_VELOCITY)
+        return;
+    calx_trial_fill(&slow, c, CALX_BATCH, SEED);
+    fast = slow;
+    for (size_t k = CALX_COL_VN; k < CALX_COL_MASS; k++)
+        for (size_t i = 0; i < fast.n; i++)
+            fast.column[k][i] *= 2;
+    calx_trial_evaluate(&slow, c);
+    calx_trial_evaluate(&fast, c);
+    for (size_t k = CALX_COL_FN; k < CALX_COL_WORK; k++)
+        for (size_t i = 0; i < slow.n; i++)
+            differ += calx_trial_declared(c, k) && slow.column[k][i] != fast.column[k][i];
+    calx_conform_note(report, "forces use velocities only if declared", (double)differ, 0, c->where);
+}
+
 /* ---- objectivity ---- */
 
 static void rotate(double (*v)[CALX_BATCH], size_t c)
@@ -273,6 +293,7 @@ void calx_conform_contact(struct calx_choice *c, struct calx_conformance *report
     check_apart(c, report, -c->demand.gap - 1e-6);
     check_apart(c, report, -c->demand.gap);
     check_acts(c, report);
+    check_velocities(c, report);
     check_objectivity(c, report);
     check_friction(c, report);
     if (law->provides & (CALX_NORMAL | CALX_COHESION))

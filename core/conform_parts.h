@@ -24,6 +24,7 @@ struct calx_choice {
     struct calx_setup setup;
     void *params;              /* prepared */
     struct calx_demand demand; /* as prepare left it */
+    struct calx_motion_integrator motion; /* of integrators of motion: as prepare left it */
     char where[200];
 };
 
@@ -108,6 +109,9 @@ double calx_conform_random(uint64_t *state, double low, double high);
 
 calx_choice_visit calx_conform_contact, calx_conform_conductance, calx_conform_motion,
     calx_conform_temperature;
+
+/* Stability and long-time energy of integrators of motion (conform_stability.c). */
+calx_choice_visit calx_conform_stability;
 
 /* Energy over closed paths (conform_cycle.c). */
 calx_choice_visit calx_conform_cycles;

@@ -205,4 +205,5 @@ static void block_network(struct calx_sim *s, size_t block, const struct calx_si
 const struct calx_engine CALX_ISA(calx_engine) = {
     .block_forces = block_forces, .block_sift = block_sift, .block_energy = block_energy, .block_network = block_network,
     .find_pairs = CALX_ISA(calx_pairs_find),
-    .block_before = CALX_ISA(calx_block_before), .block_finish = CALX_ISA(calx_block_finish)};
+    .block_before = CALX_ISA(calx_block_before), .block_finish = CALX_ISA(calx_block_finish),
+    .block_kernels = CALX_ISA(calx_block_kernels), .block_measure = CALX_ISA(calx_block_measure)};

@@ -3,7 +3,8 @@
  * The critical step of a plan: the integrator's limit on omega*dt over the fastest frequency of a pair of bodies, taken from
  * the tangent stiffness and damping that the laws report at the deepest overlap the scene can be expected to reach
  * (its elastic energy equals the kinetic energy of the fastest approach).
- * omega^2 = k/m*; tangential: k_t (1 + m R^2/I)/m*; damping of ratio b shortens the limit by sqrt(1 + b^2) - b.
+ * omega^2 = k/m*; tangential: k_t (1 + m R^2/I)/m*; damping of ratio z shortens the limit by sqrt(1 + y^2) - y, y = z times the integrator's
+ * limit without damping over that of damping alone (1 for velocity Verlet, for which the formula is exact).
  */
 #include <math.h>
 #include <stdio.h>
@@ -100,6 +101,7 @@ static double pair_limit(const struct calx_scene *scene, const struct calx_plan 
     for (int q = 0; q < 2; q++) {
         double effective = q && p->needs & CALX_NEEDS_ROTATION ? reduced / lever : reduced;
         double omega = sqrt(k[q] / effective), ratio = d[q] / (2.0 * effective * omega);
+        ratio *= p->motion_law->stability / p->motion_law->damping;
         if (omega > 0.0)
             limit = fmin(limit, p->motion_law->stability / omega * (sqrt(1.0 + ratio * ratio) - ratio));
     }

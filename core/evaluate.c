@@ -35,9 +35,9 @@ static void turn_history(const struct calx_plan *p, const calx_v8 n[3], struct c
     }
 }
 
-void CALX_ISA(calx_evaluate_motion)(const struct calx_plan *p, double dt, struct calx_columns *c)
+void CALX_ISA(calx_evaluate_motion)(const struct calx_plan *p, double lag, struct calx_columns *c)
 {
-    double growth = p->motion_law && !p->models->lever_full ? p->motion_law->velocity_lag * dt : 0.0;
+    double growth = p->models->lever_full ? 0.0 : lag;
     for (size_t lane = 0; lane < c->n; lane += 8) {
         calx_v8 n[3], u[3], omega[3], w[3] = {{0}}, vt[3];
         load3(c->normal, lane, n);

@@ -21,7 +21,7 @@ static struct constants constants_of(const struct calx_block_view *b)
 {
     const struct calx_plan *p = b->s->plan;
     bool centred = !p->models->lever_full;
-    double lag = p->motion_law && centred ? p->motion_law->velocity_lag * b->dt : 0.0;
+    double lag = centred ? b->s->lag : 0.0;
     return (struct constants){.lag = lag, .growth = lag, .gap = p->gap,
                               .diameter = 2.0 * b->s->radius_max, .centred = centred};
 }
@@ -71,7 +71,7 @@ static inline void note_touch(const struct calx_block_view *b, struct calx_colum
     uint8_t *bits = b->s->pairs.touching + (b->first + lane) / 8;
     c->was[lane / 8] = *bits;
     c->is[lane / 8] = (uint8_t)now;
-    if (!b->look)
+    if (!b->look && !b->s->trial)
         *bits = (uint8_t)now;
 }
 
@@ -219,14 +219,14 @@ static void (*const variants[2][2][2])(const struct calx_block_view *, struct ca
     {{gather_narrow, gather_narrow_one}, {NULL, NULL}},
     {{gather_wide, gather_wide_one}, {gather_spins, gather_spins_one}}};
 
-/* History in place, or a copy of it for whoever only looks. */
+/* History in place, or a copy of it for trials and whoever only looks. */
 static void point_at_history(const struct calx_block_view *b, struct calx_columns *c)
 {
     const struct calx_sim *s = b->s;
     for (size_t h = 0; h < s->plan->history; h++) {
         double *stored = s->pairs.history + b->history + h * b->room;
-        c->history[h] = b->look ? c->kept[h] : stored;
-        if (b->look)
+        c->history[h] = b->look || s->trial ? c->kept[h] : stored;
+        if (b->look || s->trial)
             memcpy(c->kept[h], stored, calx_padded(c->n) * sizeof(double));
     }
 }

@@ -105,11 +105,17 @@ int calx_guard_left(const struct calx_sim *s, int32_t row, int axis, struct calx
         s->scene->high[axis]);
 }
 
-int calx_guard_step(struct calx_sim *s, struct calx_error *e)
+int calx_guard_finite(const struct calx_sim *s, struct calx_error *e)
 {
     for (size_t b = 0; b < s->block_count; b++)
         if (isnan(s->tallies[b].finite))
             return not_finite(s, e);
+    return 0;
+}
+
+int calx_guard_step(struct calx_sim *s, struct calx_error *e)
+{
+    CALX_TRY(calx_guard_finite(s, e));
     if (s->step % CALX_SELDOM == 0)
         CALX_TRY(calx_heat_check(s, e));
     if (!s->plan->motion)
@@ -121,8 +127,8 @@ int calx_guard_step(struct calx_sim *s, struct calx_error *e)
         return too_fast(s, e);
     if (s->wall_step > DISPLACEMENT_BOUND * s->radius_min && s->features.wall_contacts)
         return wall_too_fast(s, e);
-    s->clearance -= s->speed * s->plan->dt;
-    if (s->clearance <= s->speed * s->plan->dt) /* a block that went ahead is one step further */
+    s->clearance -= s->moved;
+    if (s->clearance <= s->moved) /* a block that went ahead is one step further */
         CALX_TRY(outside(s, e));
     return s->step % CALX_SELDOM ? 0 : energy_created(s, e);
 }

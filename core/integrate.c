@@ -4,6 +4,9 @@
  * accelerations, a = F/m + g, angular a = torque/I, and runs the kernels of the integrators of motion and temperature. All of it goes over
  * a few rows at a time, which stay in the nearest cache from one kernel to the next. A fixed body has 1/m = 0 and does not accelerate.
  */
+#include <math.h>
+#include <string.h>
+
 #include "core/columns.h"
 #include "core/timing.h"
 #include "core/vector.h"
@@ -21,7 +24,7 @@ struct part {
 
 static void part_begin(struct part *p, struct calx_sim *s)
 {
-    double dt = s->plan->dt, across = s->scene->dimension == 3 ? dt : 0.0; /* z, and spins about x and y */
+    double dt = s->rows_dt, across = s->scene->dimension == 3 ? dt : 0.0; /* z, and spins about x and y */
     *p = (struct part){.s = s,
         .translation = {.size = sizeof(struct calx_rows), .stride = s->r.stride,
                         .dt = {dt, dt, across, 0.0, across, across, dt, 0.0}, .extra = p->extra},
@@ -46,12 +49,11 @@ static void part_at(struct part *p, const struct calx_row_block *b, size_t row, 
         p->extra[k] = r->extra[k] ? r->extra[k] + 4 * p->first : NULL;
 }
 
-typedef void kernel(const void *, const struct calx_rows *);
-
 /* `whole`, if there is one, does what the two others do. */
-static void run(const struct part *p, kernel *whole, kernel *translation, kernel *rotation)
+static void run(struct part *p, size_t stage, const void *params, calx_rows_kernel *whole, calx_rows_kernel *translation,
+                calx_rows_kernel *rotation)
 {
-    const void *params = p->s->plan->motion_params;
+    p->translation.stage = p->rotation.stage = stage;
     if (whole && p->s->features.rotation) {
         whole(params, &p->translation);
         return;
@@ -73,17 +75,43 @@ static double largest_speed2(const struct part *p)
     return largest;
 }
 
-static double before(const struct part *p, size_t stage)
+/* The same, and the square of the largest displacement. */
+static double run_measured(struct part *p, size_t stage, const void *params, calx_rows_kernel *translation,
+                           calx_rows_kernel *rotation)
+{
+    double start[4 * AT_A_TIME], most = 0.0;
+    const double *x = p->translation.x;
+    memcpy(start, x, 4 * p->n * sizeof *start);
+    run(p, stage, params, NULL, translation, rotation);
+    for (size_t i = 0; i < p->n; i++) {
+        double d[3] = {x[4 * i] - start[4 * i], x[4 * i + 1] - start[4 * i + 1], x[4 * i + 2] - start[4 * i + 2]};
+        most = fmax(most, d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    }
+    return most;
+}
+
+/* The square of the largest speed, or displacement over dt. */
+static double before(struct part *p, size_t stage)
 {
     const struct calx_motion_integrator *law = p->s->plan->motion_law;
-    run(p, law->whole ? law->whole[stage].before : NULL, law->translation[stage].before, law->rotation[stage].before);
+    const void *params = p->s->plan->motion_params;
+    calx_rows_kernel *move = law->translation[stage].before, *turn = law->rotation[stage].before;
+    if (!law->drifts)
+        return run_measured(p, stage, params, move, turn) / (p->s->plan->dt * p->s->plan->dt);
+    run(p, stage, params, law->whole ? law->whole[stage].before : NULL, move, turn);
     return largest_speed2(p);
 }
 
-static void after(const struct part *p, size_t stage)
+/* The square of the largest displacement. */
+static double after(struct part *p, size_t stage)
 {
     const struct calx_motion_integrator *law = p->s->plan->motion_law;
-    run(p, law->whole ? law->whole[stage].after : NULL, law->translation[stage].after, law->rotation[stage].after);
+    const void *params = p->s->plan->motion_params;
+    calx_rows_kernel *move = law->translation[stage].after, *turn = law->rotation[stage].after;
+    if (!law->drifts && move)
+        return run_measured(p, stage, params, move, turn);
+    run(p, stage, params, law->whole ? law->whole[stage].after : NULL, move, turn);
+    return 0.0;
 }
 
 double CALX_ISA(calx_block_before)(struct calx_sim *s, size_t block, size_t stage)
@@ -101,6 +129,39 @@ double CALX_ISA(calx_block_before)(struct calx_sim *s, size_t block, size_t stag
     }
     calx_timing_lap(clock, CALX_PHASE_INTEGRATE);
     return largest;
+}
+
+double CALX_ISA(calx_block_kernels)(struct calx_sim *s, size_t block, size_t stage, const void *params,
+                                    calx_rows_kernel *translation, calx_rows_kernel *rotation)
+{
+    const struct calx_row_block *b = &s->blocks[block];
+    struct part p;
+    double most = 0.0;
+    part_begin(&p, s);
+    for (size_t row = 0; row < (size_t)b->own; row += AT_A_TIME) {
+        part_at(&p, b, row, calx_row_a(s, b->first));
+        most = fmax(most, run_measured(&p, stage, params, translation, rotation));
+    }
+    return most;
+}
+
+double CALX_ISA(calx_block_measure)(struct calx_sim *s, size_t block, const void *params, calx_rows_measure *translation,
+                                    calx_rows_measure *rotation)
+{
+    const struct calx_row_block *b = &s->blocks[block];
+    struct part p;
+    double most = 0.0;
+    part_begin(&p, s);
+    for (size_t row = 0; row < (size_t)b->own; row += AT_A_TIME) {
+        part_at(&p, b, row, calx_row_a(s, b->first));
+        double one = translation ? translation(params, &p.translation) : 0.0;
+        double other = rotation && s->features.rotation ? rotation(params, &p.rotation) : 0.0;
+        most = one > most || isnan(one) ? one : most;
+        most = other > most || isnan(other) ? other : most;
+        if (isnan(most))
+            return most;
+    }
+    return most;
 }
 
 static void collect_ghosts(struct calx_sim *s, const struct calx_row_block *b, double *a)
@@ -162,10 +223,10 @@ static void warm(const struct part *p)
                             s->r.inverse_capacity + p->first);
 }
 
-static void store_heat(const struct part *p)
+static void store_heat(const struct part *p, double dt)
 {
     for (size_t i = 0; i < p->n; i++)
-        p->s->r.heat_store[p->first + i] += p->a[8 * i + 7] * p->s->plan->dt;
+        p->s->r.heat_store[p->first + i] += p->a[8 * i + 7] * dt;
 }
 
 void CALX_ISA(calx_block_finish)(struct calx_sim *s, size_t block, const struct calx_pass *pass, double *a)
@@ -174,7 +235,7 @@ void CALX_ISA(calx_block_finish)(struct calx_sim *s, size_t block, const struct 
     struct calx_clock *clock = calx_timing_clock(s);
     struct part p;
     calx_v8 finite = {0};
-    double largest = 0.0;
+    double largest = 0.0, moved2 = 0.0;
     calx_timing_restart(clock);
     collect_ghosts(s, b, a);
     part_begin(&p, s);
@@ -182,17 +243,18 @@ void CALX_ISA(calx_block_finish)(struct calx_sim *s, size_t block, const struct 
         part_at(&p, b, row, a);
         finite = s->r.stride == 8 ? accelerate_full(&p, finite) : accelerate_half(&p, finite);
         if (pass->stage >= 0)
-            after(&p, (size_t)pass->stage);
+            moved2 = fmax(moved2, after(&p, (size_t)pass->stage));
         if (pass->warm)
             warm(&p);
         else if (pass->store)
-            store_heat(&p);
+            store_heat(&p, pass->dt);
         if (pass->ahead) {
-            double speed2 = before(&p, 0);
+            double speed2 = before(&p, s->plan->motion_law->start);
             largest = speed2 > largest ? speed2 : largest;
         }
     }
     s->tallies[block].finite = calx_v8_sum(finite);
     s->tallies[block].speed2 = largest;
+    s->tallies[block].moved2 = moved2;
     calx_timing_lap(clock, CALX_PHASE_INTEGRATE);
 }

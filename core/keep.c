@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * History moves with the pair: before the lists are replaced, the pairs that touch are listed under the new place of their
- * earlier particle (counting sort); each new pair then looks through that short list. Vectors change sign with the pair's orientation.
+ * earlier particle (counting sort); each new pair looks through that short list. Vectors change sign with the pair's orientation.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -53,18 +53,12 @@ int calx_keep_collect(struct calx_rebuild *r)
     return 0;
 }
 
-static const struct calx_kept *find_kept(const struct calx_rebuild *r, int32_t earlier, int32_t later)
+int64_t calx_keep_find(const struct calx_rebuild *r, int32_t earlier, int32_t later)
 {
     for (size_t k = r->kept_first[earlier]; k < r->kept_first[earlier + 1]; k++)
         if (r->kept[k].later == later)
-            return &r->kept[k];
-    return NULL;
-}
-
-static int32_t new_place(const struct calx_rebuild *r, size_t block, int32_t local)
-{
-    int32_t own = r->new_blocks[block].own;
-    return local < own ? (int32_t)(block * CALX_BLOCK) + local : r->local[block].ghost[local - own];
+            return (int64_t)k;
+    return -1;
 }
 
 /* Copies the columns of one pair; a vector, three columns, changes sign with the orientation. */
@@ -81,20 +75,14 @@ static void copy_history(const struct calx_rebuild *r, const struct calx_kept *k
     }
 }
 
-void calx_keep_apply(const struct calx_rebuild *r, size_t block)
+void calx_keep_apply(const struct calx_rebuild *r, const struct calx_local *l, size_t from, const struct calx_group *group)
 {
-    const struct calx_row_block *b = &r->new_blocks[block];
-    for (size_t g = b->group_first; g < b->group_first + b->group_count; g++) {
-        const struct calx_group *group = &r->groups[g];
-        for (size_t k = 0; k < group->count; k++) {
-            size_t place = group->first + k;
-            int32_t i = new_place(r, block, calx_row_of_place(r->pairs.i[place])),
-                    j = new_place(r, block, calx_row_of_place(r->pairs.j[place]));
-            const struct calx_kept *kept = find_kept(r, i < j ? i : j, i < j ? j : i);
-            if (!kept)
-                continue;
-            r->pairs.touching[place / 8] |= (uint8_t)(1u << place % 8);
-            copy_history(r, kept, group, k, kept->i == i ? 1.0 : -1.0);
-        }
+    for (size_t k = 0; k < group->count; k++) {
+        int64_t found = l->kept[from + k];
+        if (found < 0)
+            continue;
+        size_t place = group->first + k;
+        r->pairs.touching[place / 8] |= (uint8_t)(1u << place % 8);
+        copy_history(r, &r->kept[found], group, k, l->same_way[from + k] ? 1.0 : -1.0);
     }
 }

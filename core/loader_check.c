@@ -210,12 +210,13 @@ static const char *motion_lacks(const void *law)
     size_t extra =
         l->extra_translation > l->extra_rotation ? l->extra_translation : l->extra_rotation;
     return l->order == 0                           ? "order must not be 0"
-           : l->stages == 0 && !l->solves_impulses ? "stages must not be 0"
+           : !l->stages == !l->advance             ? "either stages or advance must be given"
            : l->stages > 0 && !l->translation      ? "translation must not be NULL"
            : l->stages > 0 && !l->rotation         ? "rotation must not be NULL"
            : !(l->stability > 0)                   ? "stability must be greater than 0"
-           : !(l->velocity_lag >= 0)
-               ? "velocity_lag must not be negative"
+           : !(l->damping > 0)                     ? "damping must be greater than 0"
+           : !isfinite(l->velocity_lag)
+               ? "velocity_lag must be finite"
                : names_missing(l->extra, extra, "extra must name every row of extra state");
 }
 

@@ -89,9 +89,12 @@ static bool both_fixed(const struct calx_rebuild *r, const struct calx_found *f)
 struct raw_pair {
     int32_t i, j, type;
     enum calx_nearness nearness;
+    int64_t kept;
+    bool same_way;
 };
 
-static enum calx_nearness nearness_of(const struct calx_rebuild *r, const struct calx_found *f)
+/* A pair that touched at the last evaluation that counts is evaluated once more, wherever it is now. */
+static enum calx_nearness nearness_of(const struct calx_rebuild *r, const struct calx_found *f, int64_t kept)
 {
     const struct calx_sim *s = r->sim;
     static const int weight[3] = {1, 3, 9};
@@ -103,7 +106,7 @@ static enum calx_nearness nearness_of(const struct calx_rebuild *r, const struct
         double d = a[k] - b[k] - turns * (s->scene->high[k] - s->scene->low[k]);
         d2 += d * d;
     }
-    return d2 < close * close ? CALX_CLOSE : d2 < soon * soon ? CALX_SOON : CALX_LATER;
+    return kept >= 0 || d2 < close * close ? CALX_CLOSE : d2 < soon * soon ? CALX_SOON : CALX_LATER;
 }
 
 /* Resolves rows and orientation; returns the number of pairs that count. */
@@ -123,8 +126,11 @@ static size_t resolve(const struct calx_rebuild *r, size_t block, struct ghost_t
             j = (int32_t)own + ghost_slot(t, l, f->j, f->shift);
         int32_t mi = material[r->old_row[f->i]], mj = material[r->old_row[f->j]];
         int32_t type = (int32_t)calx_plan_pair_type(r->sim->scene->material_count, (size_t)mi, (size_t)mj);
-        enum calx_nearness nearness = nearness_of(r, f);
-        raw[count++] = mi <= mj ? (struct raw_pair){i, j, type, nearness} : (struct raw_pair){j, i, type, nearness};
+        int64_t kept = calx_keep_find(r, f->i, f->j);
+        enum calx_nearness nearness = nearness_of(r, f, kept);
+        bool swap = mi > mj;
+        bool same_way = kept >= 0 && r->kept[kept].i == (swap ? f->j : f->i);
+        raw[count++] = (struct raw_pair){swap ? j : i, swap ? i : j, type, nearness, kept, same_way};
         l->type_count[type][nearness]++;
     }
     return count;
@@ -143,6 +149,8 @@ static void group_by_type(const struct calx_rebuild *r, const struct raw_pair *r
         size_t to = at[CALX_NEARNESSES * (size_t)raw[k].type + raw[k].nearness]++;
         l->i[to] = raw[k].i;
         l->j[to] = raw[k].j;
+        l->kept[to] = raw[k].kept;
+        l->same_way[to] = raw[k].same_way;
     }
     l->pairs = count;
 }
@@ -156,10 +164,12 @@ static int localise_block(const struct calx_rebuild *r, size_t block)
     size_t *at = calloc(CALX_NEARNESSES * r->types, sizeof *at);
     l->i = malloc(count * sizeof *l->i);
     l->j = malloc(count * sizeof *l->j);
+    l->kept = malloc(count * sizeof *l->kept);
+    l->same_way = malloc(count * sizeof *l->same_way);
     l->ghost = malloc(count * sizeof *l->ghost);
     l->ghost_shift = malloc(count);
     l->type_count = calloc(r->types, sizeof *l->type_count);
-    int failed = !raw || !at || !l->i || !l->j || !l->ghost || !l->ghost_shift || !l->type_count ||
+    int failed = !raw || !at || !l->i || !l->j || !l->kept || !l->same_way || !l->ghost || !l->ghost_shift || !l->type_count ||
                  table_create(&t, count);
     if (!failed)
         group_by_type(r, raw, resolve(r, block, &t, l, raw), l, at);

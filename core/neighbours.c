@@ -76,14 +76,15 @@ static int sort_rows(struct calx_rebuild *r)
 static int find_pairs(struct calx_rebuild *r)
 {
     const struct calx_sim *s = r->sim;
-    struct calx_pairs_input in = {.x = r->x, .n = r->n, .block = CALX_BLOCK, .skin = s->skin + s->plan->gap,
+    double trial = s->trial ? 2.0 * s->moved : 0.0; /* what touched before a trial is not forgotten because of it */
+    struct calx_pairs_input in = {.x = r->x, .n = r->n, .block = CALX_BLOCK, .skin = s->skin + s->plan->gap + trial,
                                   .dimension = s->scene->dimension, .threads = s->team};
     for (int k = 0; k < 3; k++) {
         in.periodic[k] = s->scene->periodic[k];
         in.low[k] = s->scene->low[k];
         in.length[k] = s->scene->high[k] - s->scene->low[k];
     }
-    return s->engine->find_pairs(&in, r->found) || calx_localise(r);
+    return s->engine->find_pairs(&in, r->found) || calx_keep_collect(r) || calx_localise(r);
 }
 
 /* Makes the group of one pair type in the block under way; the first type has one always, for the place where its block's pairs begin. */
@@ -160,12 +161,12 @@ static void lay_block(struct calx_rebuild *r, size_t b)
     for (size_t g = block->group_first, at = 0; g < block->group_first + block->group_count; g++) {
         const struct calx_group *group = &r->groups[g];
         copy_pairs(r->pairs.i + group->first, r->pairs.j + group->first, l, at, group->count);
+        calx_keep_apply(r, l, at, group);
         at += group->count;
         copy_pairs(r->pairs.apart_i + group->apart_first, r->pairs.apart_j + group->apart_first, l, at,
                    group->apart_count);
         at += group->apart_count;
     }
-    calx_keep_apply(r, b);
 }
 
 static int lay_out(struct calx_rebuild *r)
@@ -175,7 +176,7 @@ static int lay_out(struct calx_rebuild *r)
     if (!r->groups || !r->new_blocks)
         return 1;
     size_t rows = number_blocks(r);
-    if (calx_rows_allocate(r->sim, &r->rows, rows) || allocate_pairs(r) || calx_keep_collect(r))
+    if (calx_rows_allocate(r->sim, &r->rows, rows) || allocate_pairs(r))
         return 1;
 #pragma omp parallel for schedule(static) num_threads(r->sim->team) if (r->sim->team > 1)
     for (size_t b = 0; b < r->blocks; b++)
@@ -256,6 +257,8 @@ static void clear(struct calx_rebuild *r, size_t lists)
         if (r->local) {
             free(r->local[b].i);
             free(r->local[b].j);
+            free(r->local[b].kept);
+            free(r->local[b].same_way);
             free(r->local[b].ghost);
             free(r->local[b].ghost_shift);
             free(r->local[b].type_count);

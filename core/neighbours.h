@@ -16,6 +16,8 @@ struct calx_local {
     size_t pairs, ghosts, ghost_capacity;
     int32_t *i, *j;
     size_t (*type_count)[CALX_NEARNESSES]; /* per pair type and nearness, the order of the pairs */
+    int64_t *kept;       /* per pair: what it was when it touched, see calx_keep_find() */
+    bool *same_way;      /* per pair: its i was i then */
     int32_t *ghost;      /* place in the order, of each ghost */
     uint8_t *ghost_shift;
 };
@@ -57,7 +59,10 @@ size_t calx_rows_arrays_list(const struct calx_sim *, struct calx_rows_arrays *,
 
 /* keep.c: friction and other history that moves with the pair. 0, or 1 without memory. */
 int calx_keep_collect(struct calx_rebuild *);
-void calx_keep_apply(const struct calx_rebuild *, size_t block);
+/* The pair of new places earlier < later among r->kept, or -1 if it did not touch. */
+int64_t calx_keep_find(const struct calx_rebuild *, int32_t earlier, int32_t later);
+/* To the evaluated pairs of a group, which are those of l from `from` on. */
+void calx_keep_apply(const struct calx_rebuild *, const struct calx_local *l, size_t from, const struct calx_group *);
 
 /* near.c: particle-wall candidates. 0, or 1 without memory. */
 int calx_near_build(struct calx_sim *, const struct calx_rebuild *);

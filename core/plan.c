@@ -26,7 +26,8 @@ static struct calx_setup setup_of(const struct calx_scene *scene, const struct c
 {
     return (struct calx_setup){.size = sizeof(struct calx_setup), .dimension = scene->dimension,
                                .bodies = scene->bodies, .thickness = scene->thickness,
-                               .velocity_lag = p->motion_law ? p->motion_law->velocity_lag : 0.0};
+                               .velocity_lag = p->motion_law ? p->motion_law->velocity_lag : 0.0,
+                               .uses_velocity = p->uses_velocity};
 }
 
 /* The value of a row for materials a and b: the pair's own, else the model's, else the default. */
@@ -137,28 +138,53 @@ static int add_conductance(struct calx_sim *s, struct calx_plan *p, const struct
                          NULL, &p->conductance_params, e);
 }
 
-static int prepare_run(struct calx_sim *s, struct calx_plan *p, const struct calx_model *m,
-                       const struct calx_plugin *plugin,
-                       int (*prepare)(const struct calx_setup *, void *, char *, size_t), void **params,
-                       struct calx_error *e)
+/* One struct of parameters for the run, filled. */
+static int fill_run(struct calx_sim *s, const struct calx_model *m, const struct calx_plugin *plugin, void **params,
+                    struct calx_error *e)
 {
-    struct calx_setup setup = setup_of(s->scene, p);
-    char why[512] = "";
     *params = calx_memory_zeroed(1, plugin->params_size ? plugin->params_size : 1);
     if (!*params)
         return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for parameters");
-    CALX_TRY(fill_params(s->scene, m, plugin, 0, 0, *params, e));
-    if (prepare && prepare(&setup, *params, why, sizeof why))
-        return calx_error_at(e, CALX_ERROR_INPUT, m->place, "integrator '%s': %s", plugin->name, why);
-    return 0;
+    return fill_params(s->scene, m, plugin, 0, 0, *params, e);
+}
+
+static int refused(const struct calx_model *m, const char *why, struct calx_error *e)
+{
+    return calx_error_at(e, CALX_ERROR_INPUT, m->place, "integrator '%s': %s", m->plugin, why);
 }
 
 static int add_motion(struct calx_sim *s, struct calx_plan *p, const struct calx_model *m,
                       const struct calx_plugin *plugin, struct calx_error *e)
 {
+    struct calx_setup setup = setup_of(s->scene, p);
+    char why[512] = "";
+    memcpy(&p->motion_actual, plugin->law, sizeof p->motion_actual);
     p->motion = plugin;
-    p->motion_law = plugin->law;
-    return prepare_run(s, p, m, plugin, p->motion_law->prepare, &p->motion_params, e);
+    p->motion_model = m;
+    p->motion_law = &p->motion_actual;
+    CALX_TRY(fill_run(s, m, plugin, &p->motion_params, e));
+    if (p->motion_law->prepare &&
+        p->motion_law->prepare(&setup, p->motion_params, &p->motion_actual, why, sizeof why))
+        return refused(m, why, e);
+    if (p->motion_actual.extra_translation > CALX_EXTRA_MAX || p->motion_actual.extra_rotation > CALX_EXTRA_MAX)
+        return refused(m, "it keeps more than 8 rows of extra state per particle", e);
+    return 0;
+}
+
+/* Once the laws have said whether forces depend on velocities, the integrator of motion is prepared for that. */
+static int tell_motion(struct calx_sim *s, struct calx_plan *p, struct calx_error *e)
+{
+    uint32_t uses = 0;
+    for (size_t l = 0; l < p->law_count; l++)
+        uses |= p->laws[l].demand.needs & CALX_USES_VELOCITY;
+    p->uses_velocity = uses != 0;
+    if (!uses || !p->motion_law || !p->motion_law->prepare)
+        return 0;
+    if (p->motion_law->release)
+        p->motion_law->release(p->motion_params);
+    free(p->motion_params);
+    p->motion_params = NULL;
+    return add_motion(s, p, p->motion_model, p->motion, e);
 }
 
 static int add_temperature(struct calx_sim *s, struct calx_plan *p, const struct calx_model *m,
@@ -167,7 +193,12 @@ static int add_temperature(struct calx_sim *s, struct calx_plan *p, const struct
     p->heat = plugin;
     p->heat_law = plugin->law;
     p->global_heat = p->heat_law->solve && !p->heat_law->advance;
-    return prepare_run(s, p, m, plugin, p->heat_law->prepare, &p->heat_params, e);
+    struct calx_setup setup = setup_of(s->scene, p);
+    char why[512] = "";
+    CALX_TRY(fill_run(s, m, plugin, &p->heat_params, e));
+    if (p->heat_law->prepare && p->heat_law->prepare(&setup, p->heat_params, why, sizeof why))
+        return refused(m, why, e);
+    return 0;
 }
 
 /* The integrator of motion first: the other plugins may ask for its velocity lag. */
@@ -192,7 +223,7 @@ static int load_models(struct calx_sim *s, struct calx_plan *p, struct calx_erro
             }
             CALX_TRY(add[m->kind](s, p, m, plugin, e));
         }
-    return 0;
+    return tell_motion(s, p, e);
 }
 
 static int by_part(const void *a, const void *b)

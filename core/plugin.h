@@ -86,6 +86,7 @@ struct calx_setup {
     uint32_t bodies;     /* enum calx_bodies */
     double thickness;    /* length of discs, m; 0 for spheres */
     double velocity_lag; /* the velocities a law sees are those of lag*dt before the positions */
+    uint32_t uses_velocity; /* for integrators: 1 if a contact law has declared CALX_USES_VELOCITY */
 };
 
 enum calx_need {
@@ -94,7 +95,8 @@ enum calx_need {
     CALX_NEEDS_TEMPERATURE = 4,  /* temperature_i, temperature_j */
     CALX_NEEDS_NORMAL_FORCE = 8, /* fn is that of the laws before */
     CALX_NEEDS_SPIN = 16,        /* spin: relative angular velocity, and torque */
-    CALX_NEEDS_CURVATURE = 32    /* curvature of both bodies */
+    CALX_NEEDS_CURVATURE = 32,   /* curvature of both bodies */
+    CALX_USES_VELOCITY = 64      /* forces depend on velocities, by damping or friction: some integrators take other coefficients */
 };
 
 /* Filled from the descriptor before prepare; prepare may change it to what these parameter values need. */
@@ -115,7 +117,7 @@ struct calx_demand {
 struct calx_contacts {
     size_t size; /* sizeof(struct calx_contacts) */
     size_t n;
-    double dt;                  /* s, step of the integrator of motion */
+    double dt;                  /* s, since the evaluation that left the history; trial evaluations may have a negative one */
     const double *overlap;      /* m */
     const double *normal[3];    /* 1, from j to i */
     const double *vn;           /* m/s, > 0 separating */
@@ -231,29 +233,82 @@ struct calx_rows {
     double *v;
     const double *a;
     double *const *extra; /* extra state of this integrator, rows of four, 0 at the start */
+    size_t stage;         /* index of the stage in the integrator's tables */
 };
 
-/* One force evaluation with what comes before and after it. */
+/* A kernel over a range of rows. [kernel] */
+typedef void calx_rows_kernel(const void *params, const struct calx_rows *);
+
+/* One force evaluation with what comes before and after it. The last stage of a step is evaluated at the end of the step: it
+ * alone changes contact history and books dissipated work, for the whole step. The others are trials: each sees the
+ * history of the start of the step and the time elapsed since, and leaves no trace but its accelerations. */
 struct calx_stage {
-    void (*before)(const void *params, const struct calx_rows *); /* [kernel] may be NULL */
-    void (*after)(const void *params, const struct calx_rows *);  /* [kernel] may be NULL */
+    calx_rows_kernel *before; /* may be NULL */
+    calx_rows_kernel *after;  /* may be NULL */
+    /* Of a trial: its positions are those at t + time*dt, its velocities those of lag*dt before. The last stage has 1 and velocity_lag. */
+    double time, lag;
 };
 
+struct calx_motion_host;
+
+/* What an integrator of motion is. prepare may change what depends on parameters. */
 struct calx_motion_integrator {
     uint32_t order;
     uint32_t stages;         /* force evaluations per step; 0: a global integrator (advance) */
-    uint32_t reversible;
+    uint32_t reversible;     /* 1: turning all velocities leads back */
+    uint32_t symplectic;     /* 1: the energy of an oscillator does not drift */
     uint32_t solves_impulses; /* 1: takes non-smooth laws */
-    double stability;        /* largest omega*dt of an undamped oscillator */
-    double velocity_lag;     /* at a force evaluation velocities are those of lag*dt before the positions */
-    uint32_t extra_translation, extra_rotation; /* rows of extra state per particle */
+    /* 1: `before` moves each body by dt times the velocity that it leaves, `after` moves none: the engine then knows how far
+     * bodies went; else it measures. */
+    uint32_t drifts;
+    /* Stages that come first in the tables and are gone through once, before the first step (and when models change): trials, which
+     * leave positions and velocities as they were (to round-off) and what they found in extra. */
+    uint32_t start;
+    /* Largest omega*dt at which the energy of an undamped oscillator does not double within a period (a contact lasts half of one), and largest
+     * c/m*dt of a damper alone that brings a body to rest. With a fraction z of critical damping sqrt(1 + y^2) - y times
+     * `stability` is safe, y = z*stability/damping. Of a global integrator: of its longest step. */
+    double stability, damping;
+    double velocity_lag;     /* at a force evaluation velocities are those of lag*dt before the positions; not changed by prepare
+                              * when setup.uses_velocity is */
+    uint32_t extra_translation, extra_rotation; /* rows of extra state per particle, 8 at most */
     const char *const *extra; /* their names */
-    const struct calx_stage *translation; /* `stages` entries */
-    const struct calx_stage *rotation;    /* `stages` entries */
-    const struct calx_stage *whole;       /* NULL, or `stages` entries: translation and rotation at once, with the same bits and less time */
-    int (*prepare)(const struct calx_setup *, void *params, char *why, size_t why_size);
+    const struct calx_stage *translation; /* `start + stages` entries */
+    const struct calx_stage *rotation;    /* `start + stages` entries */
+    const struct calx_stage *whole;       /* NULL, or as many: translation and rotation at once, with the same bits and less time */
+    /* [prepare] The third argument is a copy of this struct for these parameter values. Called again, after release, once it is known that
+     * laws use velocities. May be NULL. */
+    int (*prepare)(const struct calx_setup *, void *params, struct calx_motion_integrator *, char *why, size_t why_size);
     void (*release)(void *params);
+    /* Global, called from one thread: takes all bodies from host->t to host->t + host->dt with the host's services; returns 0, or 1
+     * with text. NULL for staged ones. */
+    int (*advance)(const void *params, const struct calx_motion_host *, char *why, size_t why_size);
 };
+
+/* A force evaluation that a global integrator asks for. */
+struct calx_evaluation {
+    double time;     /* s: the positions are those of this moment; gravity and walls are put there */
+    double lag;      /* s: velocities are those of so long before */
+    double elapsed;  /* s: since the last evaluation that was kept */
+    uint32_t keep;   /* 1: changes contact history and books work; the last of a step must, at t + dt. 0: a trial */
+};
+
+/* The services of the engine to a global integrator, valid during advance. Later versions may add services at the end: look at
+ * size. At the start accelerations (rows.a) are those of the state at t, and evaluated as kept. */
+struct calx_motion_host {
+    size_t size;
+    void *engine;   /* first argument of the services */
+    double t, dt;   /* s */
+    double *memory; /* CALX_MEMORY numbers of the integrator, 0 at the start, kept from step to step and through restarts */
+    /* Runs the kernels over the rows of all bodies, rows.dt made of `dt`; `rotation` only where bodies spin. Either may be NULL. */
+    void (*each)(void *engine, double dt, calx_rows_kernel *translation, calx_rows_kernel *rotation, const void *params);
+    /* The largest, over all ranges, of what the kernels return; 0 without any body. NaN if any is. */
+    double (*largest)(void *engine, double dt, double (*translation)(const void *params, const struct calx_rows *),
+                      double (*rotation)(const void *params, const struct calx_rows *), const void *params);
+    /* Evaluates all forces at the present rows: fills a. Returns 0, or 1 if the run must stop: return 1 then, `why` left empty. */
+    int (*forces)(void *engine, const struct calx_evaluation *);
+};
+
+enum { CALX_MEMORY = 8 };
 
 /* ---- integrators of temperature ---------------------------------------------------------------------- */
 
@@ -276,7 +331,8 @@ struct calx_network {
 };
 
 struct calx_temperature_integrator {
-    uint32_t order;
+    uint32_t order;         /* in a network that stays */
+    uint32_t exact;         /* 1: no error in a network that stays, but for a tolerance of 1e-10 or better by default */
     uint32_t unconditional; /* 1: stable for any step */
     double stability;       /* largest lambda*dt, lambda the fastest decay rate; ignored if unconditional */
     int (*prepare)(const struct calx_setup *, void *params, char *why, size_t why_size);

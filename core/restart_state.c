@@ -11,7 +11,7 @@
 
 /* The numbers that are not arrays. */
 struct scalars {
-    double time, stage_start, dt_now, held, speed, skin, drift, sifted, wall_drift, gravity[3];
+    double time, stage_start, dt_now, held, speed, skin, drift, sifted, wall_drift, gravity[3], memory[CALX_MEMORY];
     int64_t step, stage_step, rebuilds, built_step;
     int32_t stage, models;
     uint8_t done, stage_began, built;
@@ -28,6 +28,7 @@ struct scalars {
         (to)->dt_now = (from)->dt_now, (to)->speed = (from)->speed, (to)->skin = (from)->skin;     \
         (to)->drift = (from)->drift, (to)->sifted = (from)->sifted, (to)->wall_drift = (from)->wall_drift;                        \
         memcpy((to)->gravity, (from)->gravity, sizeof (to)->gravity);                              \
+        memcpy((to)->memory, (from)->memory, sizeof (to)->memory);                                 \
         (to)->step = (from)->step, (to)->stage_step = (from)->stage_step;                          \
         (to)->built_step = (from)->built_step;                                                     \
         (to)->rebuilds = (from)->rebuilds, (to)->stage = (from)->stage;                            \

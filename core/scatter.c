@@ -21,7 +21,7 @@ static struct flows flows_of(const struct calx_block_view *b)
     struct calx_sim *s = b->s;
     size_t materials = s->scene->material_count;
     struct flows f = {.conduct = b->conduct && !s->plan->global_heat,
-                      .dissipate = s->features.temperature && s->scene->from_dissipation > 0.0 && b->dt > 0.0};
+                      .dissipate = s->features.temperature && s->scene->from_dissipation > 0.0 && b->dt > 0.0 && !s->trial};
     if (f.dissipate) {
         CALX_ISA(calx_heat_shares)(s, b->type / materials, b->type % materials, f.share);
         for (int body = 0; body < 2; body++)

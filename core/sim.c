@@ -41,6 +41,7 @@ static int first_forces(struct calx_sim *s, struct calx_error *e)
     for (size_t b = 0; b < s->block_count; b++)
         power += s->tallies[b].wall_power;
     s->wall_work = 0.5 * power * s->plan->dt; /* the force at t = 0 acts for half a step */
+    CALX_TRY(calx_motion_start(s, e));
     calx_ledger_begin(s);
     calx_measure_begin_stage(s, 0);
     return calx_guard_step(s, e);

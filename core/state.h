@@ -49,8 +49,11 @@ struct calx_plan {
     char *conductance_params;
     struct calx_demand conductance_demand;
     const struct calx_plugin *motion;
-    const struct calx_motion_integrator *motion_law;
+    const struct calx_motion_integrator *motion_law; /* NULL, or motion_actual: the plugin's law for these parameters */
+    struct calx_motion_integrator motion_actual;
+    const struct calx_model *motion_model;
     void *motion_params;
+    bool uses_velocity;       /* a contact law's forces depend on velocities */
     const struct calx_plugin *heat;
     const struct calx_temperature_integrator *heat_law;
     void *heat_params;
@@ -111,6 +114,7 @@ struct calx_tally {
     int32_t overlap_rows[2];            /* whose; -1 - wall for a wall */
     double finite;                      /* 0, or NaN if a state is not finite */
     double speed2;                      /* m2/s2, largest, if the block went ahead */
+    double moved2;                      /* m2, largest displacement by the kernel after the evaluation */
     size_t edges, boundaries;
     double energy;            /* J, elastic; when asked for */
 };
@@ -156,6 +160,10 @@ struct calx_sim {
 
     /* time */
     double time, stage_start, dt_now;
+    double rows_dt;             /* s: the step that integrator kernels see */
+    double lag;                 /* s: of the evaluation under way, velocities are those of so long before; 0 in between */
+    bool trial;                 /* the evaluation under way leaves history and books as they are; false in between */
+    double memory[CALX_MEMORY]; /* of a global integrator */
     double held;                /* s: for how long the stage's condition holds */
     int64_t step, stage_step;
     int stage;
@@ -171,7 +179,8 @@ struct calx_sim {
     struct calx_group *groups;
     int32_t *collect_to, *collect_from;
     struct calx_tally *tallies;
-    double speed;              /* m/s, the largest of the last step */
+    double speed;              /* m/s, the largest of the last step: of a velocity, or a displacement in one stage over dt */
+    double moved;              /* m: nobody has come farther in the last step */
     double skin, drift;        /* m: skin, displacement since the list was built (upper bound) */
     double sifted;             /* m: the drift when pairs that are apart were last sorted out */
     bool roomy;                /* the lists that are being built get room for every pair in reach */
@@ -231,6 +240,8 @@ struct calx_sim {
 /* Kernels compiled once per instruction set (contacts.c). */
 struct calx_columns;
 
+typedef double calx_rows_measure(const void *params, const struct calx_rows *);
+
 /* Who looks at contacts: lane of the columns, row of body i, row of body j or -1 - wall. */
 struct calx_sink {
     void *context;
@@ -239,9 +250,9 @@ struct calx_sink {
 
 /* One force evaluation and what follows it. */
 struct calx_pass {
-    double dt;    /* s: of the step of motion that ends here, 0 if none does */
+    double dt;    /* s: since the last evaluation that was kept, 0 for a mere look */
     bool conduct;
-    int stage;    /* of the integrator of motion, whose kernel comes after; < 0: none */
+    int stage;    /* entry of the integrator's tables whose kernel comes after; < 0: none */
     bool ahead;   /* nobody looks before the next step: its kernel before comes as well */
     bool warm;    /* the staged integrator of temperature makes its step */
     bool store;   /* heat of dissipation waits for that step */
@@ -253,11 +264,17 @@ struct calx_engine {
     /* Sorts out which pairs may touch before bodies have approached by `inner` (m); false if a group has no room for them. */
     bool (*block_sift)(struct calx_sim *, size_t block, double inner);
     void (*block_energy)(struct calx_sim *, size_t block, double *energy);
-    /* The stage's kernels before the evaluation; returns the square of the largest speed. */
+    /* The stage's kernels before the evaluation; returns the square of the largest speed, or displacement over dt. */
     double (*block_before)(struct calx_sim *, size_t block, size_t stage);
     /* Of one block, once every block that adds to it has its forces (in a): ghosts' forces to their particles, forces to accelerations,
      * the kernels that follow. */
     void (*block_finish)(struct calx_sim *, size_t block, const struct calx_pass *, double *a);
+    /* Any kernels; returns the square of the largest displacement. */
+    double (*block_kernels)(struct calx_sim *, size_t block, size_t stage, const void *params, calx_rows_kernel *translation,
+                            calx_rows_kernel *rotation);
+    /* The larger of what the two say of the block's rows; NaN if one does. */
+    double (*block_measure)(struct calx_sim *, size_t block, const void *params, calx_rows_measure *translation,
+                            calx_rows_measure *rotation);
     calx_pairs_finder *find_pairs;
     /* Shows each touching contact with its present forces; changes nothing. */
     void (*block_network)(struct calx_sim *, size_t block, const struct calx_sink *);
@@ -299,6 +316,7 @@ void calx_skin_tune(struct calx_sim *);
 /* walls.c, surface.c */
 int calx_walls_create(struct calx_sim *, struct calx_error *);
 void calx_walls_begin_stage(struct calx_sim *);
+/* To time t from t - dt; s->lag: of the evaluation to come. */
 void calx_walls_move(struct calx_sim *, double t, double dt);
 void calx_walls_velocity(const struct calx_sim *, int wall, const double at[3], double out[3]);
 /* At the moment that the velocities of the grains belong to, of what was then under the grain that now touches `at` and moves with `carried`. */
@@ -318,12 +336,24 @@ double calx_ledger_mechanical(struct calx_sim *); /* kinetic + rotational + elas
 
 /* guard.c */
 int calx_guard_step(struct calx_sim *, struct calx_error *);
+int calx_guard_finite(const struct calx_sim *, struct calx_error *); /* accelerations of the last evaluation */
 int calx_guard_left(const struct calx_sim *, int32_t row, int axis, struct calx_error *);
 
 /* step.c */
-/* All forces at the present positions, then accelerations and what follows. */
+/* All forces at the present positions, then accelerations and what follows. s->trial and s->lag say what kind of evaluation it is. */
 int calx_step_forces(struct calx_sim *, const struct calx_pass *, struct calx_error *);
+/* The evaluation at the end of the step under way, `dt` after the last that was kept. */
+struct calx_pass calx_step_end_pass(const struct calx_sim *, double dt, int stage, bool ahead);
 int calx_step_begin_stage(struct calx_sim *, int stage, struct calx_error *);
+/* Gravity at time t. */
+void calx_step_set_gravity(struct calx_sim *, double t);
+
+/* motion.c: the integrator of motion. Starting: the stages before the first step, at the present state. */
+int calx_motion_start(struct calx_sim *, struct calx_error *);
+void calx_motion_forget(struct calx_sim *); /* what an integrator kept, before another takes over */
+int calx_motion_step(struct calx_sim *, double t, bool ahead, struct calx_error *); /* to time t */
+/* global.c: the same for a global integrator. */
+int calx_motion_step_global(struct calx_sim *, double t, struct calx_error *);
 
 /* rows.c: the id of the body of a row, own or ghost. */
 int64_t calx_row_id(const struct calx_sim *, int32_t row);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * One time step, as the algorithm reads. A global integrator would drive these same services itself.
+ * One time step, as the algorithm reads: motion (motion.c), heat, guards, the end of stages. And what motion is made of: one force
+ * evaluation over all blocks, gravity.
  */
 #include <math.h>
 #include <omp.h>
@@ -97,13 +98,13 @@ int calx_step_forces(struct calx_sim *s, const struct calx_pass *pass, struct ca
 {
     CALX_TRY(keep_lists(s, e));
     sweep(s, pass);
-    if (s->features.wall_contacts)
+    if (s->features.wall_contacts && !s->trial)
         swap_wall_contacts(s);
     return 0;
 }
 
-/* Gravity at time t; what a change of it does to the potential energy is work from outside. */
-static void set_gravity(struct calx_sim *s, double t)
+/* What a change of gravity does to the potential energy is work from outside. */
+void calx_step_set_gravity(struct calx_sim *s, double t)
 {
     static const double nowhere[3];
     double change[3];
@@ -125,39 +126,7 @@ static void set_gravity(struct calx_sim *s, double t)
         }
 }
 
-static void take_speed(struct calx_sim *s, double speed2)
-{
-    s->speed = sqrt(speed2);
-    s->drift += s->speed * s->plan->dt;
-}
-
-/* The kernels before this step's evaluation have run at the end of the last. */
-static void go_ahead(struct calx_sim *s)
-{
-    double largest = 0.0;
-    for (size_t b = 0; b < s->block_count; b++)
-        largest = fmax(largest, s->tallies[b].speed2);
-    take_speed(s, largest);
-}
-
-static void go_before(struct calx_sim *s, size_t stage)
-{
-    double largest = 0.0;
-    if (s->team <= 1) {
-        for (size_t b = 0; b < s->block_count; b++)
-            largest = fmax(largest, s->engine->block_before(s, b, stage));
-    } else {
-#pragma omp parallel for schedule(static) num_threads(s->team) reduction(max : largest)
-        for (size_t b = 0; b < s->block_count; b++) {
-            double speed2 = s->engine->block_before(s, b, stage);
-            largest = speed2 > largest ? speed2 : largest;
-        }
-    }
-    take_speed(s, largest);
-}
-
-/* The evaluation at the end of the step under way. */
-static struct calx_pass pass_of_step(const struct calx_sim *s, double dt, int stage, bool ahead)
+struct calx_pass calx_step_end_pass(const struct calx_sim *s, double dt, int stage, bool ahead)
 {
     const struct calx_plan *p = s->plan;
     bool due = (s->stage_step + 1) % p->heat_every == 0, staged = p->heat_law && !p->global_heat;
@@ -165,30 +134,13 @@ static struct calx_pass pass_of_step(const struct calx_sim *s, double dt, int st
                               .warm = staged && due, .store = p->heat_law && !due && s->scene->from_dissipation > 0.0};
 }
 
-static int advance_motion(struct calx_sim *s, double t, bool ahead, struct calx_error *e)
-{
-    double dt = s->plan->dt;
-    for (size_t stage = 0; stage < s->plan->motion_law->stages; stage++) {
-        if (s->ahead)
-            go_ahead(s);
-        else
-            go_before(s, stage);
-        s->ahead = ahead;
-        if (stage == 0)
-            calx_walls_move(s, t, dt);
-        struct calx_pass pass = pass_of_step(s, stage == 0 ? dt : 0.0, (int)stage, ahead);
-        CALX_TRY(calx_step_forces(s, &pass, e));
-        if (stage == 0)
-            calx_ledger_step(s, dt);
-    }
-    return 0;
-}
-
 /* Bodies at rest for ever: contacts serve the conduction of heat alone. */
 static int advance_frozen(struct calx_sim *s, double t, struct calx_error *e)
 {
+    calx_step_set_gravity(s, t);
     calx_walls_move(s, t, s->plan->dt);
-    struct calx_pass pass = pass_of_step(s, 0.0, -1, false);
+    s->dt_now = 0.0;
+    struct calx_pass pass = calx_step_end_pass(s, 0.0, -1, false);
     return calx_step_forces(s, &pass, e);
 }
 
@@ -233,7 +185,9 @@ static int change_models(struct calx_sim *s, const struct calx_plan *plan, struc
     s->built = false;
     if (!s->pairs.history)
         return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for contact history");
+    calx_motion_forget(s);
     CALX_TRY(calx_step_forces(s, &(struct calx_pass){.stage = -1}, e));
+    CALX_TRY(calx_motion_start(s, e));
     s->outside_work += calx_ledger_mechanical(s) - before;
     return 0;
 }
@@ -246,7 +200,7 @@ int calx_step_begin_stage(struct calx_sim *s, int stage, struct calx_error *e)
     s->stage_start = s->time;
     s->held = 0.0;
     calx_walls_begin_stage(s);
-    set_gravity(s, s->time);
+    calx_step_set_gravity(s, s->time);
     if (plan != s->plan && s->built)
         CALX_TRY(change_models(s, plan, e));
     s->plan = plan;
@@ -258,9 +212,8 @@ int calx_step_begin_stage(struct calx_sim *s, int stage, struct calx_error *e)
 static int step(struct calx_sim *s, bool ahead, struct calx_error *e)
 {
     double t = s->stage_start + (double)(s->stage_step + 1) * s->plan->dt;
-    s->dt_now = s->plan->motion ? s->plan->dt : 0.0;
-    set_gravity(s, t);
-    CALX_TRY(s->plan->motion ? advance_motion(s, t, ahead, e) : advance_frozen(s, t, e));
+    s->wall_step = s->moved = 0.0;
+    CALX_TRY(s->plan->motion ? calx_motion_step(s, t, ahead, e) : advance_frozen(s, t, e));
     s->step++;
     s->stage_step++;
     s->time = t;

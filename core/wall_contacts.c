@@ -130,7 +130,7 @@ static void fill_lane(struct wall_batch *w, int32_t row, const struct candidate 
     double past[3], *now = w->point_velocity[lane];
     calx_walls_velocity(s, wall, k->touch.point, now);
     calx_walls_past_velocity(s, wall, k->touch.point, v, past);
-    const double *seen = w->dt > 0.0 ? past : now; /* as the grains' own velocities */
+    const double *seen = w->dt != 0.0 ? past : now; /* as the grains' own velocities */
     double depth = x[3] - k->touch.distance;
     c->overlap[lane] = depth;
     c->levers[lane] = s->plan->models->lever_full ? x[3] : x[3] - 0.5 * depth;
@@ -205,7 +205,7 @@ static void add_lane(struct wall_batch *w, size_t lane)
     add_wall_force(w, lane);
     if (w->conduct)
         add_conduction(w, lane);
-    if (s->features.temperature && s->scene->from_dissipation > 0.0 && w->dt > 0.0) {
+    if (s->features.temperature && s->scene->from_dissipation > 0.0 && w->dt > 0.0 && !s->trial) {
         a[7] += w->share[lane] * c->work[lane] / (w->conduct ? s->plan->heat_dt : w->dt);
         w->tally->wall_heat_lost += (s->scene->from_dissipation - w->share[lane]) * c->work[lane];
     }
@@ -226,7 +226,7 @@ static void flush(struct wall_batch *w)
     size_t columns = s->plan->history;
     for (size_t lane = c->n; lane % CALX_WIDTH; lane++)
         c->overlap[lane] = 0.0;
-    CALX_ISA(calx_evaluate_motion)(s->plan, w->dt, c);
+    CALX_ISA(calx_evaluate_motion)(s->plan, s->lag, c);
     if (w->energy) {
         CALX_ISA(calx_evaluate_energy)(s->plan, w->type, w->dt, c);
         for (size_t lane = 0; lane < c->n; lane++)

@@ -169,7 +169,7 @@ static void pose_wall(struct calx_sim *s, size_t w, const struct calx_motion *m,
         centre[k] = m->about[k] + shift[k];
         pose->shift[k] = centre[k] + offset[k];
     }
-    pose->ago = s->plan && s->plan->motion_law ? s->plan->motion_law->velocity_lag * dt : 0.0;
+    pose->ago = s->lag;
     wall_speed(m, t, tau, 0.0, centre, pose->speed, pose->spin);
     wall_speed(m, t, tau, pose->ago, centre, pose->past_speed, pose->past_spin);
 }
@@ -215,7 +215,7 @@ void calx_walls_move(struct calx_sim *s, double t, double dt)
         s->walls_changed = true;
     }
     s->wall_drift += drift;
-    s->wall_step = drift;
+    s->wall_step += drift;
 }
 
 void calx_walls_velocity(const struct calx_sim *s, int wall, const double at[3], double out[3])

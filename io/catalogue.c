@@ -111,7 +111,7 @@ static void print_needs(FILE *out, const struct calx_demand *demand)
     } needs[] = {
         {CALX_NEEDS_TANGENT, "tangential velocity"}, {CALX_NEEDS_ROTATION, "rotation"},
         {CALX_NEEDS_TEMPERATURE, "temperatures"},    {CALX_NEEDS_NORMAL_FORCE, "normal force"},
-        {CALX_NEEDS_SPIN, "relative spin"},
+        {CALX_NEEDS_SPIN, "relative spin"},          {CALX_USES_VELOCITY, "velocities"},
     };
     const char *separator = "  needs      ";
     for (size_t k = 0; k < sizeof needs / sizeof *needs; k++)
@@ -149,7 +149,10 @@ static void print_motion(FILE *out, const void *law)
 static void print_temperature(FILE *out, const void *law)
 {
     const struct calx_temperature_integrator *l = law;
-    fprintf(out, "  accuracy   order %u, ", l->order);
+    if (l->exact)
+        fprintf(out, "  accuracy   exact while the network stays, ");
+    else
+        fprintf(out, "  accuracy   order %u, ", l->order);
     if (l->unconditional)
         fprintf(out, "stable for any step\n");
     else

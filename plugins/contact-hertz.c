@@ -92,6 +92,7 @@ static int prepare(const struct calx_setup *setup, void *params, struct calx_dem
                   : 2 * sqrt(5.0 / 6.0) * calx_damping_ratio(p->restitution, p->clip > 0);
     p->constant = p->damping > 0 ? p->damping : 0;
     p->floor = p->clip > 0 ? 0 : -INFINITY;
+    demand->needs = CALX_NEEDS_CURVATURE | (damped(p) ? CALX_USES_VELOCITY : 0);
     demand->history_scalars = damped(p);
     return 0;
 }
@@ -167,7 +168,7 @@ static const char *const history[] = {"damping-force"};
 
 static const struct calx_contact_law law = {
     .provides = CALX_NORMAL,
-    .demand = {.needs = CALX_NEEDS_CURVATURE, .history_scalars = 1},
+    .demand = {.needs = CALX_NEEDS_CURVATURE | CALX_USES_VELOCITY, .history_scalars = 1},
     .history = history,
     .prepare = prepare,
     .force = force,

@@ -96,9 +96,10 @@ static int prepare(const struct calx_setup *setup, void *params, struct calx_dem
     p->constant = p->damping > 0 ? p->damping : drag ? p->drag : 0;
     p->rate = p->damping_rate > 0 ? p->damping_rate : 0;
     p->floor = p->clip > 0 ? 0 : -INFINITY;
-    demand->needs = drag ? CALX_NEEDS_TANGENT : 0;
+    int damped = p->root > 0 || p->constant > 0 || p->rate > 0;
+    demand->needs = (drag ? CALX_NEEDS_TANGENT : 0) | (damped ? CALX_USES_VELOCITY : 0);
     demand->history_vectors = drag;
-    demand->history_scalars = p->root > 0 || p->constant > 0 || p->rate > 0;
+    demand->history_scalars = damped;
     return 0;
 }
 
@@ -180,7 +181,7 @@ static const char *const history[] = {"drag", "damping-force"};
 
 static const struct calx_contact_law law = {
     .provides = CALX_NORMAL,
-    .demand = {.needs = CALX_NEEDS_TANGENT, .history_vectors = 1, .history_scalars = 1},
+    .demand = {.needs = CALX_NEEDS_TANGENT | CALX_USES_VELOCITY, .history_vectors = 1, .history_scalars = 1},
     .history = history,
     .prepare = prepare,
     .force = force,

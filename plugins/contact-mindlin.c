@@ -157,7 +157,7 @@ static const struct calx_contact_law law = {
     .provides = CALX_TANGENTIAL,
     .depends = CALX_NORMAL,
     .demand = {.needs = CALX_NEEDS_TANGENT | CALX_NEEDS_ROTATION | CALX_NEEDS_NORMAL_FORCE |
-                        CALX_NEEDS_CURVATURE,
+                        CALX_NEEDS_CURVATURE | CALX_USES_VELOCITY,
                .history_vectors = 2,
                .history_scalars = 1},
     .history = history,

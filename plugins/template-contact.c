@@ -55,6 +55,7 @@ static int prepare(const struct calx_setup *setup, void *params, struct calx_dem
     const struct template *p = params;
     (void)setup, (void)why,
         (void)why_size; /* snprintf(why, why_size, "..."), return 1; to refuse */
+    demand->needs = p->damping > 0 ? CALX_USES_VELOCITY : 0;
     demand->history_scalars = p->damping > 0;
     return 0;
 }
@@ -125,7 +126,7 @@ static const char *const history[] = {"damping-force"};
 
 static const struct calx_contact_law law = {
     .provides = CALX_NORMAL,
-    .demand = {.history_scalars = 1},
+    .demand = {.needs = CALX_USES_VELOCITY, .history_scalars = 1},
     .history = history,
     .prepare = prepare,
     .force = force,

@@ -142,6 +142,7 @@ END_TEST
 START_TEST(threads_change_nothing_in_the_heat_network)
 {
     same_with_threads("heat-theta");
+    same_with_threads("heat-exponential");
 }
 END_TEST
 

@@ -31,20 +31,25 @@ static double capacity(const struct calx_scene *s)
     return calx_particle_mass(s, RADIUS, 1000.0) * 1000.0;
 }
 
-/* What one step does to a mode that decays with rate s: Euler and the theta rule. */
+/* What one step does to a mode that decays with rate s: Euler, the theta rule, the exponential. */
 static double factor(const char *integrator, double theta, double x)
 {
-    return !strcmp(integrator, "heat-euler") ? 1.0 - x
-                                             : (1.0 - (1.0 - theta) * x) / (1.0 + theta * x);
+    return !strcmp(integrator, "heat-exponential") ? exp(-x)
+           : !strcmp(integrator, "heat-euler")     ? 1.0 - x
+                                                   : (1.0 - (1.0 - theta) * x) / (1.0 + theta * x);
 }
 
 static const struct {
     const char *integrator;
     double theta;
-} schemes[] = {{"heat-euler", -1}, {"heat-theta", 0.5}, {"heat-theta", 1.0}, {"heat-theta", 0.75}};
+} schemes[] = {{"heat-euler", -1},
+               {"heat-theta", 0.5},
+               {"heat-theta", 1.0},
+               {"heat-theta", 0.75},
+               {"heat-exponential", -1}};
 
-/* Conjugate gradients stop at 1e-12 of the heat flow; over n steps errors add up to n times that,
- * and decay with the mode. */
+/* Conjugate gradients and the exponential stop at 1e-12 of the heat flow; over n steps errors add
+ * up to n times that, and decay with the mode. */
 static const double SOLVER = 1e-12;
 
 /* ---- two bodies ---- */

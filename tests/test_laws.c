@@ -254,7 +254,7 @@ START_TEST(test_other_dampings)
     ck_assert_double_eq_tol(c.fn[0], 0.01 - 50 * 0.003 * 0.2, 1e-15);
     ck_assert_double_eq(c.ft[0][0], 0);
     model_open(&m, CALX_CONTACT, "linear", &spheres, "stiffness=1000 drag=0.3");
-    ck_assert_uint_eq(m.demand.needs, CALX_NEEDS_TANGENT);
+    ck_assert_uint_eq(m.demand.needs, CALX_NEEDS_TANGENT | CALX_USES_VELOCITY);
     contact_force(&c, &m, NULL);
     ck_assert_double_eq_tol(c.fn[0], 0.01 - 0.3 * 0.2, 1e-15);
     ck_assert_double_eq_tol(c.ft[0][0], -0.3 * 0.5, 1e-15);

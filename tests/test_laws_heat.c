@@ -189,6 +189,81 @@ START_TEST(test_monotone)
 }
 END_TEST
 
+/* Contacts of K and 1 W/K in a row, a step of up to 1e9 times what the stronger needs: bodies 0 and
+ * 1 share their heat at once, then both with body 2 in the slow mode, of rate 3 K/f and shape (l -
+ * 2, 1
+ * - l, 1), f = K + 1 + sqrt((K + 1)^2 - 3 K). The flow of K, 200 K times 1e-16, hides that of 1. */
+START_TEST(test_exponential_of_a_stiff_network)
+{
+    static const double strong[] = {1e3, 1e6, 1e9};
+    for (size_t n = 0; n < sizeof strong / sizeof *strong; n++) {
+        struct model m;
+        struct line l;
+        double k = strong[n], fast = k + 1 + sqrt((k + 1) * (k + 1) - 3 * k), slow = 3 * k / fast;
+        double shape[] = {slow - 2, 1 - slow, 1}, share = 0, size = 0;
+        model_open(&m, CALX_TEMPERATURE, "heat-exponential", &spheres, "");
+        line_begin(&l, 1, 0);
+        l.net.n = 3;
+        l.net.edges = 2;
+        l.h[0] = k;
+        l.t[0] = 600, l.t[1] = 400, l.t[2] = 200;
+        for (int i = 0; i < 3; i++)
+            share += shape[i] * l.t[i], size += shape[i] * shape[i];
+        line_step(&l, &m);
+        for (int i = 0; i < 3; i++)
+            ck_assert_double_eq_tol(l.t[i], 400 + share / size * exp(-slow) * shape[i],
+                                    1e-9 + 4 * 2.2e-16 * k * 200);
+        ck_assert_double_eq_tol(l.t[0] + l.t[1] + l.t[2], 1200, 1e-12);
+    }
+}
+END_TEST
+
+/* A chain of unlike contacts from 1e-4 to 1e4 W/K between walls: one step is two half steps, heat
+ * is kept, and no temperature leaves the range. Flows of 100 K through the strongest contact round
+ * to 1e-16 of 1e6 W, a few of them; that acts for the step or the time constant of the weakest. */
+START_TEST(test_exponential_of_half_steps)
+{
+    static const double steps[] = {1e-3, 1, 1e3, 1e6};
+    for (size_t k = 0; k < sizeof steps / sizeof *steps; k++) {
+        struct model m;
+        struct line whole, halves;
+        double heat = 0, given = 0, dt = steps[k];
+        double bound = 1e-9 + 4 * 2.2e-16 * 1e6 * fmin(dt, 1e4);
+        model_open(&m, CALX_TEMPERATURE, "heat-exponential", &spheres, "");
+        line_begin(&whole, steps[k], 2);
+        for (int i = 0; i < CHAIN; i++) {
+            whole.h[i] = pow(10, i * 5 % 9 - 4);
+            whole.t[i] = 300 + 7 * (i * i % 14);
+            whole.capacity[i] = 1 + 0.1 * i;
+            heat += whole.capacity[i] * whole.t[i];
+        }
+        halves = whole;
+        double *const moved[] = {halves.t, halves.capacity, halves.source, halves.h};
+        halves.net = whole.net;
+        halves.net.temperature = moved[0];
+        halves.net.capacity = moved[1];
+        halves.net.source = moved[2];
+        halves.net.edge_conductance = moved[3];
+        halves.net.boundary_heat = halves.wall_heat;
+        halves.net.dt = 0.5 * steps[k];
+        line_step(&whole, &m);
+        line_step(&halves, &m);
+        given = halves.wall_heat[0];
+        line_step(&halves, &m);
+        given += halves.wall_heat[0];
+        ck_assert_double_eq_tol(given, whole.wall_heat[0], dt * bound);
+        for (int i = 0; i < CHAIN; i++) {
+            ck_assert_double_eq_tol(whole.t[i], halves.t[i], bound);
+            ck_assert_msg(whole.t[i] > 300 - bound && whole.t[i] < 400 + bound, "%.12g K",
+                          whole.t[i]);
+            heat -= whole.capacity[i] * whole.t[i];
+        }
+        heat += whole.wall_heat[0] + whole.wall_heat[1];
+        ck_assert_double_eq_tol(heat / (400 * CHAIN), 0, 1e-13 * fmax(1, dt / 10));
+    }
+}
+END_TEST
+
 START_TEST(test_solver_reports_failure)
 {
     struct model m;
@@ -202,6 +277,13 @@ START_TEST(test_solver_reports_failure)
     ck_assert_ptr_nonnull(strstr(why, "did not reach the tolerance"));
     l.net.n = 0;
     ck_assert_int_eq(law->solve(m.params, &l.net, why, sizeof why), 0);
+    model_open(&m, CALX_TEMPERATURE, "heat-exponential", &spheres, "");
+    law = m.plugin->law;
+    ck_assert_int_eq(law->solve(m.params, &l.net, why, sizeof why), 0);
+    l.net.n = CHAIN;
+    why[0] = 0;
+    ck_assert_int_eq(law->solve(m.params, &l.net, why, sizeof why), 1);
+    ck_assert_ptr_nonnull(strstr(why, "did not reach the tolerance"));
 }
 END_TEST
 
@@ -259,6 +341,8 @@ int main(void)
     tcase_add_test(t, test_decay_of_chain);
     tcase_add_test(t, test_monotone);
     tcase_add_test(t, test_solver_reports_failure);
+    tcase_add_test(t, test_exponential_of_a_stiff_network);
+    tcase_add_test(t, test_exponential_of_half_steps);
     tcase_add_loop_test(t, test_oscillator, 0, 2);
     suite_add_tcase(s, t);
     SRunner *r = srunner_create(s);

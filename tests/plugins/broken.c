@@ -111,7 +111,7 @@ static const struct calx_contact_law law = {.provides = FAULT == PROVIDES ? 0 : 
 __attribute__((visibility(VISIBILITY))) extern const struct calx_plugin calx_plugin;
 
 const struct calx_plugin calx_plugin = {.magic = FAULT == MAGIC ? 0x12345678u : CALX_PLUGIN_MAGIC,
-                                        .abi = FAULT == ABI ? CALX_PLUGIN_ABI + 6 : CALX_PLUGIN_ABI,
+                                        .abi = FAULT == ABI ? 7 : CALX_PLUGIN_ABI,
                                         .size = FAULT == SIZE ? 40 : sizeof(struct calx_plugin),
                                         .kind = FAULT == KIND ? 77 : CALX_CONTACT,
                                         .name = FAULT == NAME    ? "Bad Name"

@@ -23,7 +23,8 @@ enum {
     GAIN,
     LEFT,
     BOOKS,
-    REFUSES
+    REFUSES,
+    VELOCITY
 };
 
 struct faulty {
@@ -109,7 +110,8 @@ static void response(const void *params, const struct calx_contacts *b,
 static const char *const history[] = {"force"};
 
 static const struct calx_contact_law law = {.provides = CALX_NORMAL,
-                                            .demand = {.history_scalars = 1},
+                                            .demand = {.needs = FAULT == VELOCITY ? 0 : CALX_USES_VELOCITY,
+                                                       .history_scalars = 1},
                                             .history = history,
                                             .prepare = prepare,
                                             .force = force,

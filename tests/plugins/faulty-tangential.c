@@ -83,7 +83,7 @@ static const char *const history[] = {"spring", "force"};
 static const struct calx_contact_law law = {
     .provides = CALX_TANGENTIAL,
     .depends = CALX_NORMAL,
-    .demand = {.needs = CALX_NEEDS_TANGENT | CALX_NEEDS_NORMAL_FORCE, .history_vectors = 2},
+    .demand = {.needs = CALX_NEEDS_TANGENT | CALX_NEEDS_NORMAL_FORCE | CALX_USES_VELOCITY, .history_vectors = 2},
     .history = history,
     .force = force,
     .response = response};

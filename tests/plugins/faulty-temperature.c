@@ -7,7 +7,7 @@
 
 #include "core/plugin.h"
 
-enum { NONE, ORDER, HEAT, REST, LIMIT, ANY_STEP, SOLVER };
+enum { NONE, ORDER, HEAT, REST, LIMIT, ANY_STEP, SOLVER, EXACT };
 
 static void advance(const void *params, size_t n, double dt, double *temperature,
                     size_t temperature_stride, const double *q, size_t q_stride,
@@ -29,6 +29,7 @@ static int solve(const void *params, const struct calx_network *net, char *why, 
 }
 
 static const struct calx_temperature_integrator law = {.order = FAULT == ORDER ? 2 : 1,
+                                                       .exact = FAULT == EXACT,
                                                        .unconditional = FAULT == ANY_STEP,
                                                        .stability = FAULT == LIMIT ? 2.2 : 2,
                                                        .advance = FAULT == SOLVER ? NULL : advance,
