@@ -286,6 +286,42 @@ static void check_drifts(const struct calx_choice *c, struct calx_conformance *r
                       c->where);
 }
 
+static void run_kernel(const struct calx_choice *c, calx_rows_kernel *kernel, const struct calx_rows *rows)
+{
+    if (kernel)
+        kernel(c->params, rows);
+}
+
+/* Kernels of whole rows leave the bits that those of translation and rotation leave; they have no extra state, of which there would be two. */
+static void check_whole(const struct calx_choice *c, struct calx_conformance *report)
+{
+    const struct calx_motion_integrator *m = &c->motion;
+    struct calx_oscillators s[2];
+    size_t differ = m->extra_translation + m->extra_rotation, stages = m->start + m->stages;
+    for (size_t k = 0; m->whole && k < 2 * stages; k++) {
+        for (int whole = 0; whole < 2; whole++) {
+            calx_oscillators_begin(&s[whole], BODIES, 8, 0.05, false);
+            for (size_t i = 0; i < 8 * BODIES; i++) {
+                s[whole].v[i] = sin(1.0 + (double)i);
+                s[whole].a[i] = cos(2.0 + (double)i);
+            }
+        }
+        const struct calx_stage *t = &m->translation[k / 2], *r = &m->rotation[k / 2], *w = &m->whole[k / 2];
+        struct calx_rows translation = s[0].r, rotation = s[0].r, both = s[1].r;
+        rotation.x = NULL;
+        rotation.v += 4;
+        rotation.a += 4;
+        memcpy(both.dt + 4, rotation.dt, 4 * sizeof *both.dt);
+        run_kernel(c, k % 2 ? t->after : t->before, &translation);
+        run_kernel(c, k % 2 ? r->after : r->before, &rotation);
+        run_kernel(c, k % 2 ? w->after : w->before, &both);
+        for (size_t i = 0; i < 8 * BODIES; i++)
+            differ += s[0].v[i] != s[1].v[i] || s[0].x[i / 2] != s[1].x[i / 2];
+    }
+    if (m->whole)
+        calx_conform_note(report, "whole rows are the same as their halves", (double)differ, 0, c->where);
+}
+
 /* The descriptor, which catalogues show, says what the defaults give. */
 static void check_descriptor(const struct calx_choice *c, struct calx_conformance *report)
 {
@@ -317,6 +353,7 @@ void calx_conform_motion(struct calx_choice *c, struct calx_conformance *report)
     }
     if (m->drifts && m->stages == 1 && !m->start && m->translation->before)
         check_drifts(c, report);
+    check_whole(c, report);
     check_reversible(c, report);
     check_shift(c, report);
     for (int spins = 0; spins < 2; spins++) {

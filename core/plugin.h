@@ -274,7 +274,8 @@ struct calx_motion_integrator {
     const char *const *extra; /* their names */
     const struct calx_stage *translation; /* `start + stages` entries */
     const struct calx_stage *rotation;    /* `start + stages` entries */
-    const struct calx_stage *whole;       /* NULL, or as many: translation and rotation at once, with the same bits and less time */
+    /* NULL, or as many: translation and rotation at once, with the same bits and less time; only without extra state */
+    const struct calx_stage *whole;
     /* [prepare] The third argument is a copy of this struct for these parameter values. Called again, after release, once it is known that
      * laws use velocities. May be NULL. */
     int (*prepare)(const struct calx_setup *, void *params, struct calx_motion_integrator *, char *why, size_t why_size);

@@ -92,6 +92,7 @@ static const struct {
     {"faulty-motion-moment", "trials are at the moments declared"},
     {"faulty-motion-shown", "the descriptor is that of the defaults"},
     {"faulty-motion-idle", "each evaluation is used"},
+    {"faulty-motion-whole", "whole rows are the same as their halves"},
     {"faulty-global-unkept", "order of motion as declared"},
     {"faulty-global-elapsed", "order of motion as declared"},
     {"faulty-global-longest", "its longest step is stable"},

@@ -26,7 +26,8 @@ enum {
     TWO,
     MOMENT,
     IDLE,
-    SHOWN
+    SHOWN,
+    WHOLE
 };
 
 enum { HALVES = FAULT == TWO || FAULT == MOMENT ? 2 : 1 };
@@ -114,6 +115,29 @@ static const struct calx_stage rotation[] = {
 #endif
     {.before = spin_before, .after = spin_after}};
 
+/* Both halves, the second a little too much. */
+static void kick_all(const struct calx_rows *r)
+{
+    for (size_t i = 0; i < 8 * r->n; i++)
+        r->v[i] += 0.5 * r->dt[i % 8] * r->a[i] * (i % 8 == 4 ? 1 + 1e-15 : 1);
+}
+
+static void all_before(const void *params, const struct calx_rows *r)
+{
+    (void)params;
+    kick_all(r);
+    for (size_t i = 0; i < 4 * r->n; i++)
+        r->x[i] += r->dt[i % 4] * r->v[i / 4 * 8 + i % 4];
+}
+
+static void all_after(const void *params, const struct calx_rows *r)
+{
+    (void)params;
+    kick_all(r);
+}
+
+static const struct calx_stage whole[] = {{.before = all_before, .after = all_after}};
+
 static int prepare(const struct calx_setup *setup, void *params,
                    struct calx_motion_integrator *actual, char *why, size_t why_size)
 {
@@ -135,6 +159,7 @@ static const struct calx_motion_integrator law = {.order = 2,
                                                   .velocity_lag = FAULT == LAG ? 0 : 0.5 / HALVES,
                                                   .translation = translation,
                                                   .rotation = rotation,
+                                                  .whole = FAULT == WHOLE ? whole : NULL,
                                                   .prepare = prepare};
 
 CALX_EXPORT const struct calx_plugin calx_plugin = {CALX_DESCRIPTOR_PREFIX,
