@@ -36,6 +36,9 @@ int64_t calx_sim_step_count(const struct calx_sim *);
 size_t calx_sim_particle_count(const struct calx_sim *);
 size_t calx_sim_contact_count(const struct calx_sim *);
 double calx_sim_dt(const struct calx_sim *);
+/* The step over the longest stable one, of the contacts there are and of those to be expected; 0 if nothing limits it. *id (may be NULL):
+ * the particle that sets it, -1 if it is the stiffest contact to be expected. NaN without memory. */
+double calx_sim_step_share(struct calx_sim *, int64_t *id);
 int calx_sim_stage(const struct calx_sim *);    /* index of the current stage */
 bool calx_sim_stage_began(const struct calx_sim *); /* the step just made ended a stage */
 

@@ -203,24 +203,39 @@ static double fastest_exchange(const struct calx_sim *s, double *sum, int32_t *f
     return most;
 }
 
+int calx_heat_limit(struct calx_sim *s, double *limit, int64_t *id, struct calx_error *e)
+{
+    struct exchange x = {s, calloc(s->r.rows + 1, sizeof *x.sum)};
+    struct calx_sink sink = {&x, add_exchange};
+    *limit = INFINITY;
+    *id = -1;
+    if (!x.sum)
+        return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory to check the heat step");
+    for (size_t b = 0; s->plan->conductance && b < s->block_count; b++)
+        s->engine->block_network(s, b, &sink);
+    int32_t fastest = -1;
+    double most = fastest_exchange(s, x.sum, &fastest);
+    free(x.sum);
+    if (fastest < 0)
+        return 0;
+    *limit = 1.0 / most;
+    *id = s->r.id[fastest];
+    return 0;
+}
+
 int calx_heat_check(struct calx_sim *s, struct calx_error *e)
 {
     const struct calx_plan *p = s->plan;
-    if (!p->heat_law || !p->conductance || p->heat_law->unconditional || !s->block_count)
+    double limit;
+    int64_t id;
+    if (!p->heat_law || !p->conductance || p->heat_law->unconditional)
         return 0;
-    struct exchange x = {s, calloc(s->r.rows, sizeof *x.sum)};
-    struct calx_sink sink = {&x, add_exchange};
-    int32_t fastest = s->blocks[0].first;
-    if (!x.sum)
-        return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory to check the heat step");
-    for (size_t b = 0; b < s->block_count; b++)
-        s->engine->block_network(s, b, &sink);
-    double limit = 0.5 * p->heat_law->stability / fastest_exchange(s, x.sum, &fastest);
-    free(x.sum);
+    CALX_TRY(calx_heat_limit(s, &limit, &id, e));
+    limit *= 0.5 * p->heat_law->stability;
     if (p->heat_dt <= limit)
         return 0;
     return calx_error_set(e, CALX_ERROR_PHYSICS,
         "at t = %g s the heat step of %g s is too long for %s: particle %lld exchanges heat so fast that temperatures "
         "overshoot beyond %g s. Give that integrator of temperature a shorter dt, or use heat-theta", s->time,
-        p->heat_dt, p->heat->name, (long long)s->r.id[fastest], limit);
+        p->heat_dt, p->heat->name, (long long)id, limit);
 }

@@ -253,6 +253,12 @@ double calx_plan_material_value(const struct calx_scene *, size_t material, cons
 /* critical.c: the largest stable step of a plan, from the stiffest pair of bodies. */
 int calx_critical_step(struct calx_sim *, struct calx_plan *, struct calx_error *);
 
+/* The fastest approach to expect, m/s: the fastest bodies, and a fall through the scene. */
+double calx_critical_speed(const struct calx_scene *);
+
+/* pace.c: refuses a fixed step above the limit of the contacts at the start. */
+int calx_pace_begin(struct calx_sim *, struct calx_error *);
+
 /* particles.c: mass, moment of inertia and heat capacity of a body. */
 double calx_particle_mass(const struct calx_scene *, double radius, double density);
 double calx_particle_inertia_factor(const struct calx_scene *); /* I = factor m R^2 */
@@ -280,6 +286,8 @@ void calx_surface_nearest(const struct calx_primitive *, uint32_t dimension, con
 
 /* heat.c */
 int calx_heat_step(struct calx_sim *, struct calx_error *); /* after the forces of step s->stage_step */
+/* The step beyond which explicit temperatures overshoot, min C/sum H, and whose it is (-1: nobody's, infinite). */
+int calx_heat_limit(struct calx_sim *, double *limit, int64_t *id, struct calx_error *);
 int calx_heat_check(struct calx_sim *, struct calx_error *); /* fails if the heat step is unstable: max sum H/C, Gershgorin */
 
 /* ledger.c */
