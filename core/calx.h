@@ -29,6 +29,9 @@ int calx_sim_step(struct calx_sim *, struct calx_error *);
  * ends a stage or that a guard looks at, which are for calx_sim_step(): *made may be 0. */
 int calx_sim_advance(struct calx_sim *, int64_t steps, int64_t *made, struct calx_error *);
 
+/* All guards now, also those that a step makes only now and then: before a state is kept. CALX_ERROR_PHYSICS. */
+int calx_sim_guard(struct calx_sim *, struct calx_error *);
+
 bool calx_sim_done(const struct calx_sim *);    /* the last stage has ended */
 double calx_sim_time(const struct calx_sim *);  /* s */
 double calx_sim_end(const struct calx_sim *);   /* s, the latest end of the last stage; infinite if only a condition ends it */

@@ -82,13 +82,14 @@ static double deepest_overlap(const struct calx_plan *p, const struct pair_case 
     return hi;
 }
 
-/* The largest stable step of one pair. */
+/* The largest stable step of one pair, and half the period of its normal vibration. */
 static double pair_limit(const struct calx_scene *scene, const struct calx_plan *p, const struct pair_case *c,
-                         double speed)
+                         double speed, double *duration)
 {
     double k[2], d[2], energy, reduced = 1.0 / (1.0 / c->mass[0] + 1.0 / c->mass[1]), limit = INFINITY;
     double lever = 1.0 + 1.0 / calx_particle_inertia_factor(scene);
     respond(p, c, deepest_overlap(p, c, speed), &energy, k, d);
+    *duration = M_PI / sqrt(k[0] / reduced);
     for (int q = 0; q < 2; q++) {
         double effective = q && p->needs & CALX_NEEDS_ROTATION ? reduced / lever : reduced;
         double omega = sqrt(k[q] / effective), ratio = d[q] / (2.0 * effective * omega);
@@ -110,7 +111,8 @@ static double smallest_radius(const struct calx_scene *scene, size_t material)
 
 static void consider(const struct calx_sim *s, struct calx_plan *p, const struct pair_case *c, double speed)
 {
-    double limit = pair_limit(s->scene, p, c, speed);
+    double duration, limit = pair_limit(s->scene, p, c, speed, &duration);
+    p->shortest = fmin(p->shortest, duration);
     if (limit >= p->critical_dt)
         return;
     p->critical_dt = limit;
@@ -124,7 +126,7 @@ int calx_critical_step(struct calx_sim *s, struct calx_plan *p, struct calx_erro
     size_t n = scene->material_count;
     double speed = calx_critical_speed(scene);
     (void)e;
-    p->critical_dt = INFINITY;
+    p->critical_dt = p->shortest = INFINITY;
     for (size_t type = 0; p->motion && p->law_count && type < n * n; type++) {
         size_t m[2] = {type / n, type % n};
         struct pair_case c = {.type = type};

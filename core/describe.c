@@ -60,7 +60,7 @@ static void describe_times(const struct calx_sim *s, FILE *out)
 static void describe_stability(struct calx_sim *s, FILE *out)
 {
     struct calx_stability now;
-    if (!s->plan->motion || calx_stability_look(s, true, &now, NULL))
+    if (!s->plan->motion || calx_stability_look(s, CALX_SHARP, &now, NULL))
         return;
     if (!isfinite(now.limit)) {
         fprintf(out, "  contacts now   none that vibrates\n");

@@ -16,7 +16,7 @@ double calx_sim_step_share(struct calx_sim *s, int64_t *id)
         *id = -1;
     if (!s->plan->motion)
         return 0.0;
-    if (calx_stability_look(s, false, &now, NULL))
+    if (calx_stability_look(s, CALX_BOUND, &now, NULL))
         return NAN;
     if (id && now.limit < s->plan->critical_dt)
         *id = now.id;
@@ -30,10 +30,10 @@ int calx_pace_begin(struct calx_sim *s, struct calx_error *e)
     struct calx_stability now;
     if (!p->motion || p->models->forced)
         return 0;
-    CALX_TRY(calx_stability_look(s, false, &now, e));
+    CALX_TRY(calx_stability_look(s, CALX_BOUND, &now, e));
     if (p->dt <= now.limit)
         return 0;
-    CALX_TRY(calx_stability_look(s, true, &now, e)); /* not refused for the slack of the bound */
+    CALX_TRY(calx_stability_look(s, CALX_SHARP, &now, e)); /* not refused for the slack of the bound */
     if (p->dt <= now.limit)
         return 0;
     return calx_error_set(e, CALX_ERROR_INPUT,

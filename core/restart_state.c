@@ -18,7 +18,8 @@ struct scalars {
     uint64_t n, rows, pair_count, block_count, group_count, near_count, edge_capacity, boundary_capacity,
         collect_count;
     long double dissipated, wall_work, outside_work, wall_heat, dissipation_heat, energy0, heat0;
-    double wall_power, potential0, scale, heat_scale;
+    double wall_power, potential0, scale, heat_scale, coldest, hottest, overlap_seen;
+    int64_t contacts_seen;
 };
 
 #define COPY_SCALARS(to, from)                                                                     \
@@ -41,6 +42,8 @@ struct scalars {
         (to)->dissipation_heat = (from)->dissipation_heat, (to)->energy0 = (from)->energy0;        \
         (to)->heat0 = (from)->heat0, (to)->wall_power = (from)->wall_power;                        \
         (to)->potential0 = (from)->potential0, (to)->scale = (from)->scale;                        \
+        (to)->coldest = (from)->coldest, (to)->hottest = (from)->hottest;                          \
+        (to)->overlap_seen = (from)->overlap_seen, (to)->contacts_seen = (from)->contacts_seen;    \
         (to)->heat_scale = (from)->heat_scale;                                                     \
     } while (0)
 

@@ -40,6 +40,7 @@ static int first_forces(struct calx_sim *s, struct calx_error *e)
     s->wall_work = 0.5 * power * s->plan->dt; /* the force at t = 0 acts for half a step */
     calx_ledger_begin(s);
     calx_measure_begin_stage(s, 0);
+    calx_guard_begin(s);
     CALX_TRY(calx_guard_step(s, e));
     return calx_pace_begin(s, e);
 }

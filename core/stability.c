@@ -208,8 +208,8 @@ static void bound(struct network *n, int sweeps, struct calx_stability *out)
     }
 }
 
-/* Plain sums: twice what a body's contacts would do if all pulled the same way. */
-static double plain_step(const struct network *n)
+/* Plain sums: as if a body's contacts all pulled the same way. */
+static double plain_step(const struct network *n, struct calx_stability *out)
 {
     double least = INFINITY;
     for (size_t row = 0; row < n->s->r.rows; row++) {
@@ -217,12 +217,17 @@ static double plain_step(const struct network *n)
         for (size_t k = n->first[row]; k < n->first[row + 1]; k++) {
             const struct calx_tangent *t = &n->contacts.list[n->list[k] / 2];
             int b = (int)(n->list[k] % 2);
-            struct end e = end_of(n->s, t, b);
-            double times = moves(n, t->row[1 - b]) ? 2.0 : 1.0;
-            sum[0] += times * fmax(t->stiffness[0] * e.inverse_mass, t->stiffness[1] * e.turn);
-            sum[1] += times * fmax(t->damping[0] * e.inverse_mass, t->damping[1] * e.turn);
+            struct end e = end_of(n->s, t, b), other = end_of(n->s, t, 1 - b);
+            double normal = e.inverse_mass + other.inverse_mass, across = e.turn + other.turn;
+            sum[0] += fmax(t->stiffness[0] * normal, t->stiffness[1] * across);
+            sum[1] += fmax(t->damping[0] * normal, t->damping[1] * across);
         }
-        least = fmin(least, step_of(n->limit, sum[0], sum[1]));
+        double step = step_of(n->limit, sum[0], sum[1]);
+        if (step < least && moves(n, (int32_t)row)) {
+            least = step;
+            out->id = n->s->r.id[row];
+            out->contacts = (int32_t)(n->first[row + 1] - n->first[row]);
+        }
     }
     return least;
 }
@@ -337,7 +342,7 @@ static void find_shortest(const struct network *n, struct calx_stability *out)
     out->shortest = most > 0.0 ? M_PI / sqrt(most) : INFINITY;
 }
 
-int calx_stability_look(struct calx_sim *s, bool sharpen, struct calx_stability *out, struct calx_error *e)
+int calx_stability_look(struct calx_sim *s, enum calx_effort effort, struct calx_stability *out, struct calx_error *e)
 {
     struct network n = {.s = s};
     *out = (struct calx_stability){INFINITY, NAN, INFINITY, -1, 0, INFINITY, {-1, -1}};
@@ -352,11 +357,11 @@ int calx_stability_look(struct calx_sim *s, bool sharpen, struct calx_stability 
         code = calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for the longest stable step");
     } else {
         find_shortest(&n, out);
-        bound(&n, sharpen ? MANY_SWEEPS : SWEEPS, out);
-        if (sharpen && isfinite(out->limit)) {
-            out->plain = plain_step(&n);
+        out->limit = out->plain = plain_step(&n, out);
+        if (effort > CALX_QUICK)
+            bound(&n, effort == CALX_SHARP ? MANY_SWEEPS : SWEEPS, out);
+        if (effort == CALX_SHARP && isfinite(out->limit))
             out->sharp = power_step(&n, out->limit, e, &code);
-        }
     }
     void *all[] = {n.step, n.share, n.first, n.list, n.contacts.list};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)

@@ -54,6 +54,7 @@ struct calx_plan {
     double gap;
     double dt;
     double critical_dt;       /* s; infinite without contact laws */
+    double shortest;          /* s: half a period of the stiffest single contact to be expected */
     char critical_text[256];  /* which contact sets it */
     int64_t heat_every;       /* steps of motion per heat step */
     double heat_dt;
@@ -200,6 +201,11 @@ struct calx_sim {
     long double energy0, heat0;
     double potential0, scale, heat_scale;
 
+    /* guards */
+    double coldest, hottest;    /* K: of the start, and of the walls since then */
+    double overlap_seen;        /* of the smaller radius: the deepest when contacts were last looked at */
+    int64_t contacts_seen;      /* and how many there were */
+
     /* timing; NULL while it is off */
     struct calx_clock *clocks;
     struct calx_timing_from { double seconds; uint64_t tick; int64_t step, rebuilds; } timing_from;
@@ -296,7 +302,11 @@ void calx_ledger_step(struct calx_sim *, double dt);
 double calx_ledger_mechanical(struct calx_sim *); /* kinetic + rotational + elastic + potential now, J */
 
 /* guard.c */
+/* What the state at t = 0 allows. */
+void calx_guard_begin(struct calx_sim *);
 int calx_guard_step(struct calx_sim *, struct calx_error *);
+/* The dearer ones: energy, temperatures, finite rows, how well contacts are resolved. */
+int calx_guard_all(struct calx_sim *, struct calx_error *);
 int calx_guard_left(const struct calx_sim *, int32_t row, int axis, struct calx_error *);
 
 /* step.c */

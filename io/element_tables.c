@@ -72,6 +72,8 @@ static const struct calx_attribute integrator_attributes[] = {
      "time step; auto: a share of the critical step"},
     {"dt-fraction", QUANTITY, "1", NULL, "0.1", 0, 1, CALX_ATTRIBUTE_OPEN_MIN,
      "share of the critical step, when dt is auto"},
+    {"force", SWITCH, NULL, NULL, "no", NO_RANGE,
+     "yes: of motion, run with a step that is too long to be stable or to resolve contacts"},
 };
 static const struct calx_element integrator = {
     "integrator", "integrator",

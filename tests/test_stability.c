@@ -198,13 +198,13 @@ static struct calx_stability estimate(const struct packing *p)
     struct run r = start(scene_of(p, false, 1e-7));
     struct calx_stability least, now;
     struct calx_error e = {0};
-    ck_assert_int_eq(calx_stability_look(r.sim, true, &least, &e), 0);
+    ck_assert_int_eq(calx_stability_look(r.sim, CALX_SHARP, &least, &e), 0);
     ck_assert(isfinite(least.limit) && least.limit > 0.0 && least.id >= 0);
     stop(&r);
     r = start(scene_of(p, false, 0.5 * least.limit));
     for (int k = 0; k < 2 * STEPS; k += 30) {
         run_steps(&r, 30);
-        ck_assert_int_eq(calx_stability_look(r.sim, true, &now, &e), 0);
+        ck_assert_int_eq(calx_stability_look(r.sim, CALX_SHARP, &now, &e), 0);
         least.limit = fmin(least.limit, now.limit);
         least.sharp = fmin(least.sharp, now.sharp);
         least.plain = fmin(least.plain, now.plain);
@@ -281,7 +281,7 @@ START_TEST(single_contacts)
         struct run r = start(s);
         struct calx_stability look;
         struct calx_error e = {0};
-        ck_assert_int_eq(calx_stability_look(r.sim, true, &look, &e), 0);
+        ck_assert_int_eq(calx_stability_look(r.sim, CALX_SHARP, &look, &e), 0);
         double stiffest = fmax(1.0, 3.5 * rows[k].tangential), l = isnan(rows[k].restitution) ? 0.0 : log(rows[k].restitution);
         double b = -l / sqrt(M_PI * M_PI + l * l), limit = 2.0 / sqrt(stiffest * STIFFNESS * inverse) * (sqrt(1.0 + b * b) - b);
         /* a friction block has two equal eigenvalues: their bound by the trace is 2^(1/64) too high, half as much in the step */
@@ -314,7 +314,7 @@ START_TEST(a_heavy_grain_among_light_ones)
     struct run r = start(s);
     struct calx_stability look;
     struct calx_error e = {0};
-    ck_assert_int_eq(calx_stability_look(r.sim, true, &look, &e), 0);
+    ck_assert_int_eq(calx_stability_look(r.sim, CALX_SHARP, &look, &e), 0);
     double limit = 2.0 / sqrt(k / mass), share = 0.5 * LIGHT * 1e-3; /* all light grains together against the heavy one, halved by the root */
     ck_assert_msg(look.limit > limit * (1.0 - 2.0 * share) && look.limit <= limit, "%g, expected %g", look.limit, limit);
     stop(&r);
