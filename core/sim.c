@@ -41,8 +41,8 @@ static int first_forces(struct calx_sim *s, struct calx_error *e)
     calx_ledger_begin(s);
     calx_measure_begin_stage(s, 0);
     calx_guard_begin(s);
-    CALX_TRY(calx_guard_step(s, e));
-    return calx_pace_begin(s, e);
+    CALX_TRY(calx_pace_begin(s, e));
+    return calx_guard_step(s, e);
 }
 
 static int create(struct calx_sim *s, struct calx_error *e)

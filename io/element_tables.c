@@ -227,8 +227,10 @@ static const struct calx_element probe = {"probe", "probe", "A column of the CSV
                                           ATTRIBUTES(probe_attributes)};
 
 static const struct calx_attribute expect_attributes[] = {
-    {"of", NAME, NULL, NULL, NULL, NEEDED,
+    {"of", NAME, NULL, NULL, NULL, NO_RANGE,
      "a probe, a column of the CSV or a quantity of the whole scene"},
+    {"refusal", TEXT, NULL, NULL, NULL, NO_RANGE,
+     "instead of `of`: the case must be refused, or its run must stop, with a message that has this text in it"},
     {"at", TEXT, NULL, NULL, NULL, NO_RANGE, "`end` (the default) or a time"},
     {"always", RESULT, NULL, "t", NULL, NO_RANGE,
      "the value at every line of the CSV, or yes with above or below"},
