@@ -36,14 +36,14 @@ static void describe_heat_limit(struct calx_sim *s, FILE *out)
         fprintf(out, "  heat limit     no thermal contact yet\n");
     else
         fprintf(out, "  heat limit     %.4g s (least C/sum H, of particle %lld now): the heat step is %.3g of it%s\n", limit,
-                (long long)id, s->plan->heat_dt / limit, s->plan->heat_law->unconditional ? "; it may be longer" : "");
+                (long long)id, s->heat_dt / limit, s->plan->heat_law->unconditional ? "; it may be longer" : "");
 }
 
 /* Times by which steps are often chosen, as far as the materials say what they need. */
 static void describe_times(const struct calx_sim *s, FILE *out)
 {
     const struct calx_scene *scene = s->scene;
-    double speed = calx_critical_speed(scene), dt = s->plan->dt;
+    double speed = calx_critical_speed(scene), dt = s->dt;
     struct calx_collision_times t = calx_collision_times_find(scene, speed);
     if (isfinite(t.rayleigh))
         fprintf(out, "  Rayleigh time  %.4g s (%s): the step is %.3g of it\n", t.rayleigh,
@@ -63,18 +63,18 @@ static void describe_stability(struct calx_sim *s, FILE *out)
     if (!s->plan->motion || calx_stability_look(s, CALX_SHARP, &now, NULL))
         return;
     if (!isfinite(now.limit)) {
-        fprintf(out, "  contacts now   none that vibrates\n");
+        fprintf(out, "  contacts now   none that vibrates%s\n", s->plan->adapts ? "; the step follows the contacts" : "");
         return;
     }
     fprintf(out, "  contacts now   stable up to %.4g s at least, which particle %lld with %d contact%s sets (%.4g s by iteration; plain sums "
-            "of stiffness: %.4g s): the step is %.3g of it\n", now.limit, (long long)now.id, now.contacts,
-            now.contacts == 1 ? "" : "s", now.sharp, now.plain, s->plan->dt / now.limit);
+            "of stiffness: %.4g s): the step%s is %.3g of it\n", now.limit, (long long)now.id, now.contacts,
+            now.contacts == 1 ? "" : "s", now.sharp, now.plain, s->plan->adapts ? ", which follows the contacts," : "", s->dt / now.limit);
     fprintf(out, "  shortest       contact now: particle %lld with ", (long long)now.pair[0]);
     if (now.pair[1] < 0)
         fprintf(out, "wall '%s'", s->scene->walls[-1 - now.pair[1]].name);
     else
         fprintf(out, "particle %lld", (long long)now.pair[1]);
-    fprintf(out, ", %.4g s or %.3g steps\n", now.shortest, now.shortest / s->plan->dt);
+    fprintf(out, ", %.4g s or %.3g steps\n", now.shortest, now.shortest / s->dt);
 }
 
 static void describe_step(const struct calx_plan *p, FILE *out)

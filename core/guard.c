@@ -31,7 +31,7 @@ static int not_finite(struct calx_sim *s, struct calx_error *e)
             return calx_error_set(e, CALX_ERROR_PHYSICS,
                 "at t = %g s the force on particle %lld at (%g, %g, %g) m, or its motion or temperature, is not finite; %.200s. The step is "
                 "probably too long for this stiffness: dt = %g s, stability limit %g s; reduce dt", s->time,
-                (long long)s->r.id[row], x[0], x[1], x[2], contact, s->plan->dt, s->plan->critical_dt);
+                (long long)s->r.id[row], x[0], x[1], x[2], contact, s->dt, s->plan->critical_dt);
         }
     return 0;
 }
@@ -69,7 +69,7 @@ static int too_fast(struct calx_sim *s, struct calx_error *e)
     return calx_error_set(e, CALX_ERROR_PHYSICS,
         "at t = %g s particle %lld moves %g m in one step, more than half the smallest radius (%g m): it could pass through a "
         "wall unseen; %.200s. Reduce dt below %.2g s, or look for what accelerates it", s->time, (long long)s->r.id[fastest],
-        s->speed * s->plan->dt, s->radius_min, contact, 0.1 * s->radius_min / s->speed);
+        s->speed * s->dt, s->radius_min, contact, 0.1 * s->radius_min / s->speed);
 }
 
 static int wall_too_fast(const struct calx_sim *s, struct calx_error *e)
@@ -77,7 +77,7 @@ static int wall_too_fast(const struct calx_sim *s, struct calx_error *e)
     return calx_error_set(e, CALX_ERROR_PHYSICS,
         "at t = %g s wall '%s' moves %g m in one step, more than half the smallest radius (%g m): it could pass grains "
         "unseen. Reduce dt below %.2g s, or its speed", s->time, s->scene->walls[s->wall_fastest].name, s->wall_step,
-        s->radius_min, 0.1 * s->radius_min / s->wall_step * s->plan->dt);
+        s->radius_min, 0.1 * s->radius_min / s->wall_step * s->dt);
 }
 
 static int energy_created(struct calx_sim *s, struct calx_error *e)
@@ -92,7 +92,7 @@ static int energy_created(struct calx_sim *s, struct calx_error *e)
         "at t = %g s energy came from nothing: %g J more than went in, of %g J that took part. The fastest is particle %lld, %g m/s; %.200s. "
         "The step is too long for the stiffness or damping (dt = %g s, stability limit of one pair %g s, less in a dense packing): reduce "
         "dt; or a law gives energy: `calx plugins --check` finds it", s->time, l.residual, l.scale,
-        (long long)s->r.id[fastest], s->speed, contact, s->plan->dt, s->plan->critical_dt);
+        (long long)s->r.id[fastest], s->speed, contact, s->dt, s->plan->critical_dt);
 }
 
 /* Looks at all bodies, and notes how far the nearest one is from leaving: until somebody can have come that far, no look is needed. */
@@ -136,7 +136,12 @@ int calx_guard_all(struct calx_sim *s, struct calx_error *e)
 
 int calx_sim_guard(struct calx_sim *s, struct calx_error *e)
 {
-    return calx_guard_all(s, e);
+    double depth = s->overlap_seen;
+    int64_t contacts = s->contacts_seen;
+    int code = calx_guard_all(s, e);
+    s->overlap_seen = depth; /* who looks, and when, changes nothing */
+    s->contacts_seen = contacts;
+    return code;
 }
 
 /* From figures that the step has. */
@@ -145,12 +150,12 @@ static int motion_step(struct calx_sim *s, struct calx_error *e)
     for (size_t b = 0; b < s->block_count; b++)
         if (s->tallies[b].overlap > OVERLAP_BOUND)
             return too_deep(s, &s->tallies[b], e);
-    if (s->speed * s->plan->dt > DISPLACEMENT_BOUND * s->radius_min && s->features.contacts)
+    if (s->speed * s->dt > DISPLACEMENT_BOUND * s->radius_min && s->features.contacts)
         return too_fast(s, e);
     if (s->wall_step > DISPLACEMENT_BOUND * s->radius_min && s->features.wall_contacts)
         return wall_too_fast(s, e);
-    s->clearance -= s->speed * s->plan->dt;
-    if (s->clearance <= s->speed * s->plan->dt) /* a block that went ahead is one step further */
+    s->clearance -= s->speed * s->dt;
+    if (s->clearance <= s->speed * s->dt) /* a block that went ahead is one step further */
         CALX_TRY(outside(s, e));
     return calx_guard_contacts_step(s, e);
 }

@@ -3,7 +3,7 @@
  * Guards that look at contacts: each must be resolved by some steps, and the step must be stable in the network that they form. A look costs
  * as much as a few steps, so it is made every CALX_SELDOM steps and when contacts may have become stiffer than any seen: when
  * overlaps reach half as much again as at the last look (stiffness grows with the overlap or not at all), and, if a contact that is to be
- * expected would be too short, when contacts come.
+ * expected would be too short, when contacts come. A step that follows the contacts (pace.c) needs no look.
  */
 #include "core/guard.h"
 
@@ -90,7 +90,7 @@ static int too_short(const struct calx_sim *s, const struct calx_stability *now,
     return calx_error_set(e, CALX_ERROR_PHYSICS,
         "at t = %g s the contact of %.80s with %.80s (%.120s) is resolved by %.2g steps, fewer than %g: it lasts %.3g s and dt = %g s. "
         "Its impulse is not to be trusted. Use dt=\"%.2g s\" or less, or softer contacts; force=\"yes\" on the integrator runs it all the same",
-        s->time, name[0], name[1], laws, now->shortest / s->plan->dt, LEAST_STEPS, now->shortest, s->plan->dt,
+        s->time, name[0], name[1], laws, now->shortest / s->dt, LEAST_STEPS, now->shortest, s->dt,
         now->shortest / ADVISED_STEPS);
 }
 
@@ -100,7 +100,7 @@ static int unstable(const struct calx_sim *s, const struct calx_stability *now, 
     calx_guard_laws(s->plan, laws);
     return calx_error_set(e, CALX_ERROR_PHYSICS,
         "at t = %g s dt = %g s is above the stability limit of the contacts, %g s, which particle %lld with %d contacts sets (%.120s): "
-        "motion would blow up. Use dt=\"%.2g s\" or less, or dt=\"auto\"", s->time, s->plan->dt, now->sharp, (long long)now->id,
+        "motion would blow up. Use dt=\"%.2g s\" or less, or dt=\"auto\"", s->time, s->dt, now->sharp, (long long)now->id,
         now->contacts, laws, ADVISED_SHARE * now->limit);
 }
 
@@ -117,8 +117,8 @@ static void note_contacts(struct calx_sim *s, double *depth, int64_t *contacts)
 int calx_guard_contacts(struct calx_sim *s, struct calx_error *e)
 {
     struct calx_stability now;
-    double depth, dt = s->plan->dt;
-    if (!s->plan->motion || !s->plan->law_count || s->plan->models->forced)
+    double depth, dt = s->dt;
+    if (!s->plan->motion || !s->plan->law_count || s->plan->models->forced || calx_pace_resolves(s->plan, LEAST_STEPS))
         return 0;
     note_contacts(s, &depth, &s->contacts_seen);
     s->overlap_seen = fmax(s->overlap_seen, depth);
@@ -135,9 +135,9 @@ int calx_guard_contacts_step(struct calx_sim *s, struct calx_error *e)
 {
     double depth;
     int64_t contacts;
-    if (s->plan->models->forced || !s->plan->law_count)
+    if (s->plan->models->forced || !s->plan->law_count || calx_pace_resolves(s->plan, LEAST_STEPS))
         return 0;
     note_contacts(s, &depth, &contacts);
-    bool come = contacts != s->contacts_seen && s->plan->shortest < LEAST_STEPS * s->plan->dt;
+    bool come = contacts != s->contacts_seen && s->plan->shortest < LEAST_STEPS * s->dt;
     return come || depth > DEEPER * s->overlap_seen ? calx_guard_contacts(s, e) : 0;
 }

@@ -67,7 +67,7 @@ static int out_of_bounds(struct calx_sim *s, const struct excess *x, double heat
         "dissipation gave %.3g J; %.160s, conductance %s. The heat step of %g s is probably too long for %s (explicit "
         "limit %.3g s): shorten the dt of that integrator, or use heat-theta with monotone=\"yes\"", s->time,
         (long long)s->r.id[x->row], calx_row_v(s, x->row)[7], s->coldest, s->hottest, heat, contact,
-        p->conductance ? p->conductance->name : "none", p->heat_dt, p->heat ? p->heat->name : "none", limit);
+        p->conductance ? p->conductance->name : "none", s->heat_dt, p->heat ? p->heat->name : "none", limit);
 }
 
 int calx_guard_temperature(struct calx_sim *s, struct calx_error *e)

@@ -25,7 +25,7 @@ static int32_t place_of_row(const struct calx_sim *s, int32_t row)
 static void release_store(struct calx_sim *s, const struct calx_row_block *b)
 {
     for (int32_t row = b->first; s->r.heat_store && row < b->first + b->own; row++) {
-        calx_row_a(s, row)[7] += s->r.heat_store[row] / s->plan->heat_dt;
+        calx_row_a(s, row)[7] += s->r.heat_store[row] / s->heat_dt;
         s->r.heat_store[row] = 0.0;
     }
 }
@@ -35,7 +35,7 @@ static void keep_store(struct calx_sim *s)
     for (size_t b = 0; b < s->block_count; b++)
         for (int32_t k = 0; k < s->blocks[b].own; k++) {
             int32_t row = s->blocks[b].first + k;
-            s->r.heat_store[row] += calx_row_a(s, row)[7] * s->plan->dt;
+            s->r.heat_store[row] += calx_row_a(s, row)[7] * s->dt;
         }
 }
 
@@ -46,13 +46,13 @@ static void step_staged(struct calx_sim *s)
     for (size_t b = 0; b < s->block_count; b++) {
         const struct calx_row_block *block = &s->blocks[b];
         release_store(s, block);
-        p->heat_law->advance(p->heat_params, (size_t)block->own, p->heat_dt,
+        p->heat_law->advance(p->heat_params, (size_t)block->own, s->heat_dt,
                              calx_row_v(s, block->first) + 7, s->r.stride,
                              calx_row_a(s, block->first) + 7, s->r.stride,
                              s->r.inverse_capacity + block->first);
     }
     for (size_t b = 0; b < s->block_count; b++)
-        s->wall_heat += (long double)s->tallies[b].wall_heat * (long double)p->heat_dt;
+        s->wall_heat += (long double)s->tallies[b].wall_heat * (long double)s->heat_dt;
 }
 
 /* Arrays of the network, compact: node k is the k-th particle in order. */
@@ -140,7 +140,7 @@ static int step_global(struct calx_sim *s, struct calx_error *e)
     }
     fill_nodes(s, &a);
     fill_edges(s, &a);
-    struct calx_network net = {.size = sizeof net, .n = s->n, .dt = p->heat_dt, .temperature = a.temperature,
+    struct calx_network net = {.size = sizeof net, .n = s->n, .dt = s->heat_dt, .temperature = a.temperature,
                                .capacity = a.capacity, .source = a.source, .edges = edges, .edge = {a.i, a.j},
                                .edge_conductance = a.h, .boundaries = boundaries, .boundary = a.bi,
                                .boundary_conductance = a.bh, .boundary_temperature = a.bt,
@@ -160,7 +160,7 @@ int calx_heat_step(struct calx_sim *s, struct calx_error *e)
 {
     if (!s->plan->heat_law)
         return 0;
-    if (s->stage_step % s->plan->heat_every) {
+    if ((s->stage_step - s->pace_step) % s->heat_every) {
         if (s->scene->from_dissipation > 0.0)
             keep_store(s);
         return 0;
@@ -232,10 +232,10 @@ int calx_heat_check(struct calx_sim *s, struct calx_error *e)
         return 0;
     CALX_TRY(calx_heat_limit(s, &limit, &id, e));
     limit *= 0.5 * p->heat_law->stability;
-    if (p->heat_dt <= limit)
+    if (s->heat_dt <= limit)
         return 0;
     return calx_error_set(e, CALX_ERROR_PHYSICS,
         "at t = %g s the heat step of %g s is too long for %s: particle %lld exchanges heat so fast that temperatures "
         "overshoot beyond %g s. Give that integrator of temperature a shorter dt, or use heat-theta", s->time,
-        p->heat_dt, p->heat->name, (long long)id, limit);
+        s->heat_dt, p->heat->name, (long long)id, limit);
 }

@@ -10,7 +10,7 @@
 
 static struct calx_rows translation_rows(struct calx_sim *s, const struct calx_row_block *b, double **extra)
 {
-    double dt = s->plan->dt;
+    double dt = s->dt;
     for (size_t k = 0; k < CALX_EXTRA_MAX; k++)
         extra[k] = s->r.extra[k] ? s->r.extra[k] + 4 * (size_t)b->first : NULL;
     return (struct calx_rows){.size = sizeof(struct calx_rows), .n = (size_t)b->own, .stride = s->r.stride,
@@ -21,7 +21,7 @@ static struct calx_rows translation_rows(struct calx_sim *s, const struct calx_r
 
 static struct calx_rows rotation_rows(struct calx_sim *s, const struct calx_row_block *b, double **extra)
 {
-    double dt = s->plan->dt, in_plane = s->scene->dimension == 3 ? dt : 0.0;
+    double dt = s->dt, in_plane = s->scene->dimension == 3 ? dt : 0.0;
     for (size_t k = 0; k < CALX_EXTRA_MAX; k++)
         extra[k] = s->r.extra[CALX_EXTRA_MAX + k] ? s->r.extra[CALX_EXTRA_MAX + k] + 4 * (size_t)b->first
                                                   : NULL;

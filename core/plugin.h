@@ -244,6 +244,7 @@ struct calx_motion_integrator {
     uint32_t solves_impulses; /* 1: takes non-smooth laws */
     double stability;        /* largest omega*dt of an undamped oscillator */
     double velocity_lag;     /* at a force evaluation velocities are those of lag*dt before the positions */
+    uint32_t constant_step;  /* 1: the step may not change during a run, for the extra state is that of one step */
     uint32_t extra_translation, extra_rotation; /* rows of extra state per particle */
     const char *const *extra; /* their names */
     const struct calx_stage *translation; /* `stages` entries */

@@ -19,7 +19,8 @@ struct scalars {
         collect_count;
     long double dissipated, wall_work, outside_work, wall_heat, dissipation_heat, energy0, heat0;
     double wall_power, potential0, scale, heat_scale, coldest, hottest, overlap_seen;
-    int64_t contacts_seen;
+    double dt, heat_dt, pace_time, pace_overlap, checked;
+    int64_t contacts_seen, heat_every, pace_step, pace_level, pace_due;
 };
 
 #define COPY_SCALARS(to, from)                                                                     \
@@ -44,6 +45,11 @@ struct scalars {
         (to)->potential0 = (from)->potential0, (to)->scale = (from)->scale;                        \
         (to)->coldest = (from)->coldest, (to)->hottest = (from)->hottest;                          \
         (to)->overlap_seen = (from)->overlap_seen, (to)->contacts_seen = (from)->contacts_seen;    \
+        (to)->dt = (from)->dt, (to)->heat_dt = (from)->heat_dt;                                    \
+        (to)->heat_every = (from)->heat_every, (to)->pace_time = (from)->pace_time;                \
+        (to)->pace_step = (from)->pace_step, (to)->pace_level = (from)->pace_level;                \
+        (to)->pace_due = (from)->pace_due, (to)->pace_overlap = (from)->pace_overlap;              \
+        (to)->checked = (from)->checked;                                                           \
         (to)->heat_scale = (from)->heat_scale;                                                     \
     } while (0)
 
@@ -226,6 +232,7 @@ int calx_sim_restore(struct calx_sim *s, const struct calx_block *blocks, size_t
         if (b->bytes)
             memcpy(*list.items[k].pointer, b->data, b->bytes);
     }
+    calx_pace_resume(s);
     calx_measure_clear(&s->measure);
     s->walls_changed = true;
     calx_neighbours_team(s);

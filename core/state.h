@@ -56,8 +56,9 @@ struct calx_plan {
     double critical_dt;       /* s; infinite without contact laws */
     double shortest;          /* s: half a period of the stiffest single contact to be expected */
     char critical_text[256];  /* which contact sets it */
-    int64_t heat_every;       /* steps of motion per heat step */
+    int64_t heat_every;       /* steps of motion per heat step, at dt */
     double heat_dt;
+    bool adapts;              /* dt is the longest that is taken: the step follows the contacts */
     bool cohesion;            /* the Coulomb limit differs from fn */
     bool global_heat;
 };
@@ -145,6 +146,14 @@ struct calx_sim {
 
     /* time */
     double time, stage_start, dt_now;
+    double dt, heat_dt;         /* s, the steps now */
+    int64_t heat_every;
+    double pace_time;           /* s: when steps of this length began, */
+    int64_t pace_step;          /* and the step of the stage then */
+    int64_t pace_level;         /* on the ladder of steps, 0: the plan's */
+    int64_t pace_due;           /* step after which the step must be chosen again, -1: none */
+    double pace_overlap;        /* of the smaller radius: the deepest when it was chosen */
+    double checked;             /* s: when the stage's condition was looked at */
     double held;                /* s: for how long the stage's condition holds */
     int64_t step, stage_step;
     int stage;
@@ -262,8 +271,19 @@ int calx_critical_step(struct calx_sim *, struct calx_plan *, struct calx_error 
 /* The fastest approach to expect, m/s: the fastest bodies, and a fall through the scene. */
 double calx_critical_speed(const struct calx_scene *);
 
-/* pace.c: refuses a fixed step above the limit of the contacts at the start. */
-int calx_pace_begin(struct calx_sim *, struct calx_error *);
+/* pace.c: the step of the run. */
+void calx_pace_begin_stage(struct calx_sim *, const struct calx_plan *before); /* time and plan are those of the stage */
+int calx_pace_begin(struct calx_sim *, struct calx_error *); /* refuses a fixed step above the limit of the contacts at the start */
+void calx_pace_resume(struct calx_sim *); /* a fixed step that the case has changed since the restart point */
+void calx_pace_watch(struct calx_sim *);  /* in each step: notes that contacts may have become stiffer */
+int calx_pace_step(struct calx_sim *, struct calx_error *); /* when nobody has gone ahead */
+/* Whether the step follows the contacts closely enough that each is resolved by so many steps. */
+bool calx_pace_resolves(const struct calx_plan *, double steps);
+/* Time since the stage began after so many more steps, s. */
+static inline double calx_pace_elapsed(const struct calx_sim *s, int64_t steps)
+{
+    return (s->pace_time - s->stage_start) + (double)(s->stage_step - s->pace_step + steps) * s->dt;
+}
 
 /* particles.c: mass, moment of inertia and heat capacity of a body. */
 double calx_particle_mass(const struct calx_scene *, double radius, double density);

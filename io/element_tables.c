@@ -69,9 +69,11 @@ static const struct calx_attribute integrator_attributes[] = {
     {"plugin", NAME, NULL, NULL, NULL, NEEDED, "name of an integrator; `calx plugins` lists them"},
     {"of", WORD, NULL, "motion|temperature", "motion", NO_RANGE, "what it advances in time"},
     {"dt", CALX_FORM_AUTO, "s", NULL, "auto", POSITIVE,
-     "time step; auto: a share of the critical step"},
+     "time step; auto: a share of the critical step, shorter while the contacts ask for it"},
     {"dt-fraction", QUANTITY, "1", NULL, "0.1", 0, 1, CALX_ATTRIBUTE_OPEN_MIN,
      "share of the critical step, when dt is auto"},
+    {"safety", QUANTITY, "1", NULL, "0.5", 0, 1, CALX_ATTRIBUTE_OPEN_MIN,
+     "share of the stability limit of all contacts there are that the step keeps to, when dt is auto"},
     {"force", SWITCH, NULL, NULL, "no", NO_RANGE,
      "yes: of motion, run with a step that is too long to be stable or to resolve contacts"},
 };
