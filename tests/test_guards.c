@@ -123,34 +123,55 @@ START_TEST(a_guard_trips_and_what_is_kept_is_sound)
 }
 END_TEST
 
+enum { GRAINS = 240 };
+
 /* A light ball and heavy grains that close in on it from all sides: each contact alone is resolved well, together they are 1/3 of
- * their number times as stiff. */
-START_TEST(unstable_only_together)
+ * their number times as stiff. Ball: 4/3 pi 1e-3 * 1 = 4.19e-3 kg; grains 4/3 pi 1e-9 * 1e9 = 4.19 kg. Half a period of a contact: pi sqrt(4.18e-3/1e4) =
+ * 2.03 ms; the limit of all: 2/sqrt(240/3 * 1e4/4.19e-3) = 0.145 ms. */
+static void put_shell(const char *step)
 {
-    enum { GRAINS = 240 };
     char *text = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&text, &size);
-    /* ball: 4/3 pi 1e-3 * 1 = 4.19e-3 kg; grains 4/3 pi 1e-9 * 1e9 = 4.19 kg. Half a period of a contact: pi sqrt(4.18e-3/1e4) =
-     * 2.03 ms; the limit of all: 2/sqrt(240/3 * 1e4/4.19e-3) = 0.145 ms */
     fprintf(f, "<case><material name='light' density='1'/><material name='heavy' density='1e9'/>" SPRING
-               "<integrator plugin='velocity-verlet' dt='0.17 ms'/><particles><particle at='0 0 0' radius='0.1' material='light'/>");
+               "<integrator plugin='velocity-verlet' %s/><particles><particle at='0 0 0' radius='0.1' material='light'/>", step);
     for (int i = 0; i < GRAINS; i++) {
         double z = 1 - (2.0 * i + 1) / GRAINS, turn = M_PI * (3 - sqrt(5.0)) * i, rho = sqrt(1 - z * z), d = 0.1015;
         fprintf(f, "<particle at='%.12g %.12g %.12g' velocity='%.12g %.12g %.12g' radius='0.001' material='heavy'/>", d * rho * cos(turn),
                 d * rho * sin(turn), d * z, -0.1 * rho * cos(turn), -0.1 * rho * sin(turn), -0.1 * z);
     }
-    fprintf(f, "</particles><stage for='0.02'/>" OUTPUT "</case>");
+    fprintf(f, "</particles><stage for='8 ms'/>" OUTPUT "</case>");
     fclose(f);
     put_file("case.xml", text);
     free(text);
+}
+
+START_TEST(unstable_only_together)
+{
     struct calx_error e = {0};
+    put_shell("dt='0.17 ms'");
     int code = go("out", false, &e);
     double time = calx_sim_time(run.sim);
     calx_run_close(&run);
     ck_assert_msg(code == CALX_ERROR_PHYSICS && strstr(e.text, "above the stability limit of the contacts, 0.00014") &&
                       strstr(e.text, "particle 0 with 240 contacts sets (linear)"), "%d at %g s: %s", code, time, e.text);
     ck_assert_double_eq_tol(time, 0.005, 0.001); /* when they touch: 0.5 mm at 0.1 m/s */
+}
+END_TEST
+
+/* An automatic step goes below half of that limit when they touch, and the stage still ends where it should. */
+START_TEST(an_automatic_step_follows)
+{
+    struct calx_error e = {0};
+    put_shell("");
+    int code = go("out", false, &e);
+    double dt = calx_sim_dt(run.sim), time = calx_sim_time(run.sim);
+    struct calx_ledger l = calx_sim_ledger(run.sim);
+    calx_run_close(&run);
+    ck_assert_msg(code == CALX_OK, "%s", e.text);
+    ck_assert_msg(dt > 0.5 * 0.0723e-3 && dt <= 0.0724e-3, "%g s", dt);
+    ck_assert_double_eq_tol(time, 8e-3, 1e-15);
+    ck_assert_double_lt(fabs(l.residual), 1e-3 * l.elastic); /* (omega dt)^2/8 of what vibrates, which is little */
 }
 END_TEST
 
@@ -177,6 +198,7 @@ int main(void)
     tcase_add_checked_fixture(test, make_folder, remove_folder);
     tcase_add_loop_test(test, a_guard_trips_and_what_is_kept_is_sound, 0, COUNT(trips));
     tcase_add_test(test, unstable_only_together);
+    tcase_add_test(test, an_automatic_step_follows);
     tcase_add_test(test, dissipation_may_heat);
     suite_add_tcase(suite, test);
     SRunner *runner = srunner_create(suite);
