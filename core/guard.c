@@ -29,8 +29,8 @@ static int not_finite(struct calx_sim *s, struct calx_error *e)
                 continue;
             calx_guard_contact(s, row, contact);
             return calx_error_set(e, CALX_ERROR_PHYSICS,
-                "at t = %g s the force on particle %lld at (%g, %g, %g) m, or its motion or temperature, is not finite; %.200s. The step is "
-                "probably too long for this stiffness: dt = %g s, stability limit %g s; reduce dt", s->time,
+                "at t = %g s the force on particle %lld at (%g, %g, %g) m, or its motion or temperature, is not finite; %.200s. The "
+                "step is probably too long for this stiffness: dt = %g s, stability limit %g s; reduce dt", s->time,
                 (long long)s->r.id[row], x[0], x[1], x[2], contact, s->dt, s->plan->critical_dt);
         }
     return 0;
@@ -42,8 +42,8 @@ static int too_deep(const struct calx_sim *s, const struct calx_tally *t, struct
     calx_guard_name(s, t->overlap_rows[1], partner);
     calx_guard_laws(s->plan, laws);
     return calx_error_set(e, CALX_ERROR_PHYSICS,
-        "at t = %g s particle %lld overlaps %.80s by %.0f %% of the smaller radius (laws %.120s). The contact is too soft for the forces on "
-        "it, or bodies overlap at the start: raise the stiffness, lower the speeds, or start without overlap", s->time,
+        "at t = %g s particle %lld overlaps %.80s by %.0f %% of the smaller radius (laws %.120s). The contact is too soft for the "
+        "forces on it, or bodies overlap at the start: raise the stiffness, lower the speeds, or start without overlap", s->time,
         (long long)calx_row_id(s, t->overlap_rows[0]), partner, 100.0 * t->overlap, laws[0] ? laws : "none");
 }
 
@@ -89,8 +89,8 @@ static int energy_created(struct calx_sim *s, struct calx_error *e)
     int32_t fastest = fastest_row(s);
     calx_guard_contact(s, fastest, contact);
     return calx_error_set(e, CALX_ERROR_PHYSICS,
-        "at t = %g s energy came from nothing: %g J more than went in, of %g J that took part. The fastest is particle %lld, %g m/s; %.200s. "
-        "The step is too long for the stiffness or damping (dt = %g s, stability limit of one pair %g s, less in a dense packing): reduce "
+        "at t = %g s energy came from nothing: %g J more than went in, of %g J that took part. The fastest is particle %lld, %g m/s; "
+        "%.200s. The step is too long for the stiffness or damping (dt = %g s, stability limit of one pair %g s, less in a dense packing): reduce "
         "dt; or a law gives energy: `calx plugins --check` finds it", s->time, l.residual, l.scale,
         (long long)s->r.id[fastest], s->speed, contact, s->dt, s->plan->critical_dt);
 }

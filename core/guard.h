@@ -15,8 +15,8 @@ void calx_guard_name(const struct calx_sim *, int32_t row, char text[CALX_GUARD_
 /* The contact laws of the plan by name: "linear, coulomb". */
 void calx_guard_laws(const struct calx_plan *, char text[CALX_GUARD_TEXT]);
 
-/* What a body touches deepest, with the laws that act there: "its deepest contact is with particle 7, overlap 3 % of the smaller radius, laws
- * linear, coulomb", or "it touches nothing". */
+/* What a body touches deepest, with the laws that act there: "its deepest contact is with particle 7, overlap 3 % of the smaller radius,
+ * laws linear, coulomb", or "it touches nothing". */
 void calx_guard_contact(struct calx_sim *, int32_t row, char text[CALX_GUARD_TEXT]);
 
 /* guard_contacts.c: in each step; and whether the contacts there are now are resolved and stable. */

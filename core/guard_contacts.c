@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Guards that look at contacts: each must be resolved by some steps, and the step must be stable in the network that they form. A look costs
- * as much as a few steps, so it is made every CALX_SELDOM steps and when contacts may have become stiffer than any seen: when
+ * Guards that look at contacts: each must be resolved by some steps, and the step must be stable in the network that they form. A look
+ * costs as much as a few steps, so it is made every CALX_SELDOM steps and when contacts may have become stiffer than any seen: when
  * overlaps reach half as much again as at the last look (stiffness grows with the overlap or not at all), and, if a contact that is to be
  * expected would be too short, when contacts come. A step that follows the contacts (pace.c) needs no look.
  */
@@ -89,7 +89,8 @@ static int too_short(const struct calx_sim *s, const struct calx_stability *now,
     calx_guard_laws(s->plan, laws);
     return calx_error_set(e, CALX_ERROR_PHYSICS,
         "at t = %g s the contact of %.80s with %.80s (%.120s) is resolved by %.2g steps, fewer than %g: it lasts %.3g s and dt = %g s. "
-        "Its impulse is not to be trusted. Use dt=\"%.2g s\" or less, or softer contacts; force=\"yes\" on the integrator runs it all the same",
+        "Its impulse is not to be trusted. Use dt=\"%.2g s\" or less, or softer contacts; force=\"yes\" on the integrator runs it all "
+        "the same",
         s->time, name[0], name[1], laws, now->shortest / s->dt, LEAST_STEPS, now->shortest, s->dt,
         now->shortest / ADVISED_STEPS);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Temperatures stay within what can be. Conduction alone makes no new extremes (discrete maximum principle): temperatures stay between the coldest
- * and the hottest of the start and of the walls so far. Dissipation adds heat Q in all; the heat above the hottest, sum of C (T -
+ * Temperatures stay within what can be. Conduction alone makes no new extremes (discrete maximum principle): temperatures stay between
+ * the coldest and the hottest of the start and of the walls so far. Dissipation adds heat Q in all; the heat above the hottest, sum of C (T -
  * T_hot)+, is convex in the temperatures, so that conduction cannot raise it: it is at most Q. The same below the coldest, with 0.
  */
 #include <math.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * The time step and the contacts there are. A fixed step above their limit is refused. An automatic one is the longest on a ladder (halved by every
- * two rungs) that is at most the plan's, resolves the stiffest single contact as the plan asks, and keeps to a share of the stability
+ * The time step and the contacts there are. A fixed step above their limit is refused. An automatic one is the longest on a ladder
+ * (halved by every two rungs) that is at most the plan's, resolves the stiffest single contact as the plan asks, and keeps to a share of the stability
  * limit of all contacts. It is chosen again every CALX_SELDOM steps, and in the step after overlaps have grown by half
  * since the last choice; only between heat steps. A step chosen within a stage divides what is left of it.
  * All this follows from the state and is saved with it: the bits do not depend on threads, stops, or who looks.

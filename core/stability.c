@@ -2,8 +2,8 @@
  *
  * A safe bound of the longest stable step, from the contacts there are now.
  * Small motions about the present state: M u'' + C u' + K u = 0, u the places and angles of all bodies. Contact c of bodies i, j with
- * normal n adds k (d.n)^2 + kt |d - n d.n|^2 to u'Ku, d = x_i - x_j + n x (l_i phi_i + l_j phi_j); and the same with damping to u'Cu. With
- * velocities that lag half a step, velocity Verlet is stable as long as dt^2 K + 2 dt C <= 4 M (at equality the amplification reaches -1, for
+ * normal n adds k (d.n)^2 + kt |d - n d.n|^2 to u'Ku, d = x_i - x_j + n x (l_i phi_i + l_j phi_j); and the same with damping to u'Cu.
+ * With velocities that lag half a step, velocity Verlet is stable as long as dt^2 K + 2 dt C <= 4 M (at equality the amplification reaches -1, for
  * any number of bodies); for a limit s of omega*dt: dt^2 K + s dt C <= s^2 M. Since (a - b)^2 <= (1 + q) a^2 + (1 + 1/q) b^2
  * for any q > 0, K is at most a matrix of blocks of 6 by 6, one per body, in which contact c counts 1 + q_c times for i and 1 + 1/q_c
  * times for j; the largest eigenvalue of M^-1/2 (.) M^-1/2 is then the largest of the blocks'. q_c = m_i/m_j makes it exact for a

@@ -27,11 +27,13 @@ static void count_verdicts(struct score *score, const struct calx_run *run)
 
 static void print_refusal(const struct calx_run *run, const char *part, bool passed)
 {
-    printf("%-22s %-34s %14s %14s %10s %10s  %-7s %s\n", run->name, "refusal", "", "", "", "text", passed ? "passed" : "FAILED", part);
+    printf("%-22s %-34s %14s %14s %10s %10s  %-7s %s\n", run->name, "refusal", "", "", "", "text",
+           passed ? "passed" : "FAILED", part);
 }
 
 /* The case expects to be refused: each part of the message counts as one expectation. */
-static void judge_refusal(struct score *score, const struct calx_run *run, int code, const char *said)
+static void judge_refusal(struct score *score, const struct calx_run *run, int code,
+                          const char *said)
 {
     for (size_t i = 0; i < run->problems.refusal_count; ++i) {
         bool passed = code != CALX_OK && strstr(said, run->problems.refusals[i]);
@@ -53,7 +55,8 @@ static void judge_results(struct score *score, const struct calx_run *run)
     count_verdicts(score, run);
 }
 
-static void report_failure(struct score *score, const struct calx_run *run, const char *path, const struct calx_error *error)
+static void report_failure(struct score *score, const struct calx_run *run, const char *path,
+                           const struct calx_error *error)
 {
     int status = calx_options_report(error);
     printf("%-22s FAILED: did not come to its end\n", run->name ? run->name : path);

@@ -157,7 +157,8 @@ const struct calx_option calx_option_threads = {
 const struct calx_option calx_option_resume = {
     "--resume", NULL, "go on from the restart point in the output folder", set_resume};
 const struct calx_option calx_option_force = {
-    "--force", NULL, "run even with a step too long to be stable or to resolve contacts", set_force};
+    "--force", NULL, "run even with a step too long to be stable or to resolve contacts",
+    set_force};
 const struct calx_option calx_option_quiet = {"--quiet", NULL, "no progress and no summary",
                                               set_quiet};
 const struct calx_option calx_option_check = {

@@ -22,7 +22,8 @@ struct calx_problems {
     struct calx_error *list; /* the first `kept` */
     size_t warning_count;
     struct calx_error *warnings;
-    size_t refusal_count; /* what the file itself says must be refused, each a part of the text; known even if it is */
+    size_t refusal_count; /* what the file itself says must be refused, each a part of the text;
+                             known even if it is */
     char **refusals;
 };
 

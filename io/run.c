@@ -236,8 +236,8 @@ static bool asked_to_stop(const struct calx_run *run)
     return run->options.stop && *run->options.stop;
 }
 
-/* Steps after which nothing is due are made without a look at the state in between, which is faster. Few at a time, so that
- * the terminal and Ctrl-C do not wait. */
+/* Steps after which nothing is due are made without a look at the state in between, which is
+ * faster. Few at a time, so that the terminal and Ctrl-C do not wait. */
 static int pass_quiet_steps(struct calx_run *run, struct calx_error *error)
 {
     enum { MOST = 64 };

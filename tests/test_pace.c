@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * The automatic step follows the contacts: a bed of Hertzian grains is pressed by a lid far beyond what its start lets expect,
- * and let go again. The step falls and comes back, each contact stays resolved, energy closes, stages end exactly; the bits are the same for
- * any number of threads, with a stop and restart, for many steps at once and for who looks.
+ * The automatic step follows the contacts: a bed of Hertzian grains is pressed by a lid far beyond
+ * what its start lets expect, and let go again. The step falls and comes back, each contact stays
+ * resolved, energy closes, stages end exactly; the bits are the same for any number of threads,
+ * with a stop and restart, for many steps at once and for who looks.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -36,7 +37,8 @@ static struct calx_scene *press(const char *motion, const char *heat)
         double u[3];
         for (int k = 0; k < 3; k++)
             u[k] = calx_random_uniform(&random) - 0.5;
-        scene_put(s, i, SPACING * ((double)(i % EDGE) + 0.5), SPACING * ((double)(i / EDGE % EDGE) + 0.5),
+        scene_put(s, i, SPACING * ((double)(i % EDGE) + 0.5),
+                  SPACING * ((double)(i / EDGE % EDGE) + 0.5),
                   SPACING * ((double)(i / EDGE / EDGE) + 0.5), RADIUS);
         scene_move(s, i, 0.02 * u[0], 0.02 * u[1], 0.02 * u[2]);
     }
@@ -59,8 +61,8 @@ static double resolution(struct calx_sim *s)
 {
     struct calx_stability now;
     ck_assert_int_eq(calx_stability_look(s, CALX_BOUND, &now, NULL), 0);
-    ck_assert_msg(calx_sim_dt(s) < 0.75 * now.limit, "step %lld: dt %g s of a limit of %g s", (long long)calx_sim_step_count(s),
-                  calx_sim_dt(s), now.limit);
+    ck_assert_msg(calx_sim_dt(s) < 0.75 * now.limit, "step %lld: dt %g s of a limit of %g s",
+                  (long long)calx_sim_step_count(s), calx_sim_dt(s), now.limit);
     return now.shortest / calx_sim_dt(s);
 }
 
@@ -84,13 +86,16 @@ START_TEST(the_step_follows_the_contacts)
     ck_assert_msg(shortest < 0.55 * longest, "%g s of %g s", shortest, longest);
     ck_assert_int_ge(changes, 4);
     ck_assert_double_eq(calx_sim_dt(r.sim), longest); /* nothing presses any more */
-    /* the plan asks for pi/(2 * 0.1) = 15.7; overlaps may grow by half before a new choice, stiffness by their root, omega by the fourth
-     * root, and for two more steps */
+    /* the plan asks for pi/(2 * 0.1) = 15.7; overlaps may grow by half before a new choice,
+     * stiffness by their root, omega by the fourth root, and for two more steps */
     ck_assert_msg(worst > 15.7 / pow(1.5, 0.25) * 0.9, "a contact has %g steps", worst);
-    ck_assert_msg(fabs(pressed - PRESS) < 1e-12 * PRESS, "the first stage ends at %.17g s", pressed); /* the step divides what is left */
-    ck_assert_msg(fabs(calx_sim_time(r.sim) - 11.0 * PRESS) <= 0.5 * longest, "%g s", calx_sim_time(r.sim));
+    ck_assert_msg(fabs(pressed - PRESS) < 1e-12 * PRESS, "the first stage ends at %.17g s",
+                  pressed); /* the step divides what is left */
+    ck_assert_msg(fabs(calx_sim_time(r.sim) - 11.0 * PRESS) <= 0.5 * longest, "%g s",
+                  calx_sim_time(r.sim));
     ck_assert_double_gt(l.dissipated, 0.1 * l.scale);
-    /* (pi/15.7)^2/2 = 0.02 of the energy in contact, and half a step of the lid's force where it turns */
+    /* (pi/15.7)^2/2 = 0.02 of the energy in contact, and half a step of the lid's force where it
+     * turns */
     ck_assert_msg(fabs(l.residual) < 0.03 * l.scale, "residual %g of %g J", l.residual, l.scale);
     run_free(&r);
 }
@@ -123,13 +128,16 @@ struct said {
 static struct said say(struct calx_sim *s)
 {
     struct calx_ledger l = calx_sim_ledger(s);
-    return (struct said){calx_sim_hash(s), calx_sim_step_count(s), calx_sim_time(s), calx_sim_dt(s), l.residual, l.heat};
+    return (struct said){calx_sim_hash(s), calx_sim_step_count(s),
+                         calx_sim_time(s), calx_sim_dt(s),
+                         l.residual,       l.heat};
 }
 
 static void same(const struct said *a, const struct said *b, const char *what)
 {
-    ck_assert_msg(!memcmp(a, b, sizeof *a), "%s: step %lld at %.17g s with %.17g s, instead of %lld at %.17g s with %.17g s", what,
-                  (long long)b->step, b->time, b->dt, (long long)a->step, a->time, a->dt);
+    ck_assert_msg(!memcmp(a, b, sizeof *a),
+                  "%s: step %lld at %.17g s with %.17g s, instead of %lld at %.17g s with %.17g s",
+                  what, (long long)b->step, b->time, b->dt, (long long)a->step, a->time, a->dt);
 }
 
 enum { STEPS = 700 };
@@ -153,7 +161,8 @@ static struct said advanced(const char *heat, int threads)
     struct run r = run_start(press("velocity-verlet", heat), threads);
     struct calx_error e = {0};
     for (size_t k = 0; calx_sim_step_count(r.sim) < STEPS; k++) {
-        int64_t made = 0, left = STEPS - calx_sim_step_count(r.sim), bite = bites[k % 6] < left ? bites[k % 6] : left;
+        int64_t made = 0, left = STEPS - calx_sim_step_count(r.sim),
+                bite = bites[k % 6] < left ? bites[k % 6] : left;
         ck_assert_msg(calx_sim_advance(r.sim, bite, &made, &e) == 0, "%s", e.text);
         if (!made)
             run_steps(&r, 1);
@@ -205,6 +214,7 @@ END_TEST
 
 int main(void)
 {
-    const TTest *tests[] = {the_step_follows_the_contacts, a_constant_step_stays, the_bits_are_the_same};
+    const TTest *tests[] = {the_step_follows_the_contacts, a_constant_step_stays,
+                            the_bits_are_the_same};
     return run_tests("pace", sizeof tests / sizeof *tests, tests);
 }

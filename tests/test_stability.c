@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * The estimate of the longest stable step against the step at which the engine itself turns unstable,
- * found by bisection, over random networks of contacts: packings of grains of several sizes,
- * periodic or between walls, in space and in the plane, smooth and rough, elastic and damped.
+ * The estimate of the longest stable step against the step at which the engine itself turns
+ * unstable, found by bisection, over random networks of contacts: packings of grains of several
+ * sizes, periodic or between walls, in space and in the plane, smooth and rough, elastic and
+ * damped.
  */
 #include <math.h>
 #include <stdio.h>
@@ -21,7 +22,8 @@ struct packing {
     size_t n;
     double x[MOST][3], radius[MOST], size[3], low, high; /* low, high: walls along y */
     bool fixed[MOST], walls;
-    double friction, tangential, restitution; /* friction < 0: none; tangential over normal stiffness */
+    double friction, tangential,
+        restitution; /* friction < 0: none; tangential over normal stiffness */
 };
 
 static struct calx_registry *registry;
@@ -39,23 +41,26 @@ static void close_registry(void)
 
 /* ---- the networks ---- */
 
-/* Cells of a cubic, body-centred or face-centred lattice (in the plane: of a square or centred one), grains shifted and of sizes up to
- * `spread` apart, large enough to press on each other. */
+/* Cells of a cubic, body-centred or face-centred lattice (in the plane: of a square or centred
+ * one), grains shifted and of sizes up to `spread` apart, large enough to press on each other. */
 static void draw(struct packing *p, struct calx_random *random)
 {
     static const double sites[4][3] = {{0, 0, 0}, {0.5, 0.5, 0}, {0.5, 0, 0.5}, {0, 0.5, 0.5}};
-    static const double radius[5] = {0, 0.55, 0.385, 0, 0.36}; /* over the cell, by sites: beyond jamming */
+    static const double radius[5] = {0, 0.55, 0.385, 0,
+                                     0.36}; /* over the cell, by sites: beyond jamming */
     memset(p, 0, sizeof *p);
     p->dimension = calx_random_uniform(random) < 0.3 ? 2 : 3;
     size_t per_cell = p->dimension == 2 ? 1 + (size_t)(2.0 * calx_random_uniform(random))
-                                        : calx_random_uniform(random) < 0.5 ? 1 : 4;
+                      : calx_random_uniform(random) < 0.5 ? 1
+                                                          : 4;
     size_t cells = per_cell == 4 ? 2 : p->dimension == 2 ? 4 : 3;
     double spread = 0.3 * calx_random_uniform(random);
     p->walls = calx_random_uniform(random) < 0.3;
     for (size_t c = 0; c < cells * cells * (p->dimension == 3 ? cells : 1); c++)
         for (size_t q = 0; q < per_cell; q++) {
             size_t at[3] = {c % cells, c / cells % cells, c / cells / cells}, i = p->n++;
-            p->radius[i] = SPACING * radius[per_cell] * (1.0 + spread * (calx_random_uniform(random) - 0.4));
+            p->radius[i] =
+                SPACING * radius[per_cell] * (1.0 + spread * (calx_random_uniform(random) - 0.4));
             p->fixed[i] = calx_random_uniform(random) < 0.05;
             for (size_t k = 0; k < p->dimension; k++)
                 p->x[i][k] = SPACING * ((double)at[k] + sites[q][k] + 0.25 +
@@ -80,11 +85,13 @@ static struct calx_scene *scene_of(const struct packing *p, bool relax, double d
     struct calx_scene *s = scene_create(p->dimension, CALX_SPHERES, p->n);
     double e = relax ? 0.0 : p->restitution;
     scene_model(s, CALX_CONTACT, "linear",
-                (struct given[]){{"stiffness", STIFFNESS}, {isnan(e) ? NULL : "restitution", e}, {NULL, 0.0}});
+                (struct given[]){
+                    {"stiffness", STIFFNESS}, {isnan(e) ? NULL : "restitution", e}, {NULL, 0.0}});
     if (!relax && p->friction > 0.0)
         scene_model(s, CALX_CONTACT, "coulomb",
-                    (struct given[]){
-                        {"stiffness", p->tangential * STIFFNESS}, {"friction", p->friction}, {NULL, 0.0}});
+                    (struct given[]){{"stiffness", p->tangential * STIFFNESS},
+                                     {"friction", p->friction},
+                                     {NULL, 0.0}});
     scene_model(s, CALX_MOTION, "velocity-verlet", NULL);
     s->models[0].dt = dt;
     s->models[0].forced = true;
@@ -168,9 +175,10 @@ static void stir(const struct run *r, uint32_t dimension, double speed)
     }
 }
 
-/* Two runs, one stirred by a millionth of the overlaps per step: in a stable network they stay as near to each other, above the limit they
- * part, until contacts open, at 1e12 times the energy of the stir. Growth per step is 1 + sqrt(8 x) for a step a share x
- * above the limit if undamped, so that 300 steps show x = 1e-3; of the order of 1 + x if damped: x = 0.02. */
+/* Two runs, one stirred by a millionth of the overlaps per step: in a stable network they stay as
+ * near to each other, above the limit they part, until contacts open, at 1e12 times the energy of
+ * the stir. Growth per step is 1 + sqrt(8 x) for a step a share x above the limit if undamped, so
+ * that 300 steps show x = 1e-3; of the order of 1 + x if damped: x = 0.02. */
 static bool explodes(const struct packing *p, double dt)
 {
     const double grown = 1e4;
@@ -217,9 +225,10 @@ static struct outcome try(const struct packing *p)
 {
     struct calx_stability look = estimate(p);
     double low = look.limit, high = MOST_RATIO * low;
-    ck_assert_msg(!explodes(p, low), "unstable at the estimate %g s (by iteration: %g s)", low, look.sharp);
-    ck_assert_msg(explodes(p, high), "stable at %g times the estimate %g s (by iteration: %g s)", MOST_RATIO, low,
+    ck_assert_msg(!explodes(p, low), "unstable at the estimate %g s (by iteration: %g s)", low,
                   look.sharp);
+    ck_assert_msg(explodes(p, high), "stable at %g times the estimate %g s (by iteration: %g s)",
+                  MOST_RATIO, low, look.sharp);
     for (int k = 0; k < HALVINGS; k++) {
         double middle = 0.5 * (low + high);
         *(explodes(p, middle) ? &high : &low) = middle;
@@ -244,33 +253,41 @@ START_TEST(the_estimate_is_safe_and_not_wasteful)
         least.sharp = fmin(least.sharp, o.sharp), most.sharp = fmax(most.sharp, o.sharp);
         least.plain = fmin(least.plain, o.plain), most.plain = fmax(most.plain, o.plain);
         if (getenv("CALX_TEST_PRINT"))
-            printf("%3d: %uD, %2zu grains%s, mu %g, kt/kn %.2f, e %4g: true limit over bound %.3f, iteration %.3f, sums %.3f\n",
-                   k, p.dimension, p.n, p.walls ? " between walls" : "", p.friction, p.tangential, p.restitution, o.ratio,
-                   o.sharp, o.plain);
+            printf("%3d: %uD, %2zu grains%s, mu %g, kt/kn %.2f, e %4g: true limit over bound %.3f, "
+                   "iteration %.3f, sums %.3f\n",
+                   k, p.dimension, p.n, p.walls ? " between walls" : "", p.friction, p.tangential,
+                   p.restitution, o.ratio, o.sharp, o.plain);
     }
-    printf("true limit over estimate: bound %.3f to %.3f, mean %.3f; iteration %.3f to %.3f; plain sums %.3f to %.3f\n",
+    printf("true limit over estimate: bound %.3f to %.3f, mean %.3f; iteration %.3f to %.3f; plain "
+           "sums %.3f to %.3f\n",
            least.ratio, most.ratio, mean, least.sharp, most.sharp, least.plain, most.plain);
 }
 END_TEST
 
-/* Single contacts, exactly: omega^2 = k (1/m1 + 1/m2), and for friction kt (1/m + R^2/I) = 7/2 kt/m per body, with levers to
- * the middle of the overlap; a damped one is stable up to sqrt(1 + b^2) - b of that. */
+/* Single contacts, exactly: omega^2 = k (1/m1 + 1/m2), and for friction kt (1/m + R^2/I) = 7/2 kt/m
+ * per body, with levers to the middle of the overlap; a damped one is stable up to sqrt(1 + b^2) -
+ * b of that. */
 START_TEST(single_contacts)
 {
     static const struct {
         double ratio, tangential, restitution; /* radius of the second over the first, 0: a plane */
-    } rows[] = {{1, 0, NAN}, {0.01, 0, NAN}, {100, 0, NAN}, {0, 0, NAN}, {0.5, 2, NAN}, {0, 2, NAN}, {1, 0, 0.1}, {0, 0, 0.5}};
+    } rows[] = {{1, 0, NAN},   {0.01, 0, NAN}, {100, 0, NAN}, {0, 0, NAN},
+                {0.5, 2, NAN}, {0, 2, NAN},    {1, 0, 0.1},   {0, 0, 0.5}};
     const double depth = 1e-9, radius = 0.01, mass = 4.0 / 3.0 * M_PI * 1e-6 * 1000.0;
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
-        double ratio = rows[k].ratio, inverse = 1.0 / mass + (ratio > 0.0 ? 1.0 / (mass * ratio * ratio * ratio) : 0.0);
+        double ratio = rows[k].ratio,
+               inverse = 1.0 / mass + (ratio > 0.0 ? 1.0 / (mass * ratio * ratio * ratio) : 0.0);
         struct calx_scene *s = scene_create(3, CALX_SPHERES, ratio > 0.0 ? 2 : 1);
         scene_model(s, CALX_CONTACT, "linear",
-                    (struct given[]){{"stiffness", STIFFNESS},
-                                     {isnan(rows[k].restitution) ? NULL : "restitution", rows[k].restitution},
-                                     {NULL, 0.0}});
+                    (struct given[]){
+                        {"stiffness", STIFFNESS},
+                        {isnan(rows[k].restitution) ? NULL : "restitution", rows[k].restitution},
+                        {NULL, 0.0}});
         if (rows[k].tangential > 0.0)
             scene_model(s, CALX_CONTACT, "coulomb",
-                        (struct given[]){{"stiffness", rows[k].tangential * STIFFNESS}, {"friction", 0.5}, {NULL, 0.0}});
+                        (struct given[]){{"stiffness", rows[k].tangential * STIFFNESS},
+                                         {"friction", 0.5},
+                                         {NULL, 0.0}});
         scene_model(s, CALX_MOTION, "velocity-verlet", NULL);
         s->models[0].dt = 1e-9;
         scene_put(s, 0, 0.0, radius * (1.0 - depth), 0.0, radius);
@@ -282,12 +299,15 @@ START_TEST(single_contacts)
         struct calx_stability look;
         struct calx_error e = {0};
         ck_assert_int_eq(calx_stability_look(r.sim, CALX_SHARP, &look, &e), 0);
-        double stiffest = fmax(1.0, 3.5 * rows[k].tangential), l = isnan(rows[k].restitution) ? 0.0 : log(rows[k].restitution);
-        double b = -l / sqrt(M_PI * M_PI + l * l), limit = 2.0 / sqrt(stiffest * STIFFNESS * inverse) * (sqrt(1.0 + b * b) - b);
-        /* a friction block has two equal eigenvalues: their bound by the trace is 2^(1/64) too high, half as much in the step */
+        double stiffest = fmax(1.0, 3.5 * rows[k].tangential),
+               l = isnan(rows[k].restitution) ? 0.0 : log(rows[k].restitution);
+        double b = -l / sqrt(M_PI * M_PI + l * l),
+               limit = 2.0 / sqrt(stiffest * STIFFNESS * inverse) * (sqrt(1.0 + b * b) - b);
+        /* a friction block has two equal eigenvalues: their bound by the trace is 2^(1/64) too
+         * high, half as much in the step */
         double slack = rows[k].tangential > 0.0 ? 0.0055 : 1e-6;
-        ck_assert_msg(look.limit < limit * (1.0 + 1e-6) && look.limit > limit * (1.0 - slack), "row %zu: %.9g, expected %.9g", k,
-                      look.limit, limit);
+        ck_assert_msg(look.limit < limit * (1.0 + 1e-6) && look.limit > limit * (1.0 - slack),
+                      "row %zu: %.9g, expected %.9g", k, look.limit, limit);
         ck_assert_double_eq_tol(look.sharp / limit, 1.0, 1e-6);
         ck_assert_double_eq_tol(look.shortest / (M_PI / sqrt(STIFFNESS * inverse)), 1.0, 1e-9);
         ck_assert_int_eq(look.contacts, 1);
@@ -297,8 +317,9 @@ START_TEST(single_contacts)
 }
 END_TEST
 
-/* One heavy grain, thirty-two light ones around it that do not touch each other: a plain sum over its contacts would be 32 times
- * too high at mass ratio 1, but its mass hides them: the fastest mode is that of a light grain, k/m, to the share of the masses. */
+/* One heavy grain, thirty-two light ones around it that do not touch each other: a plain sum over
+ * its contacts would be 32 times too high at mass ratio 1, but its mass hides them: the fastest
+ * mode is that of a light grain, k/m, to the share of the masses. */
 START_TEST(a_heavy_grain_among_light_ones)
 {
     enum { LIGHT = 32 };
@@ -307,7 +328,8 @@ START_TEST(a_heavy_grain_among_light_ones)
     scene_linear(s, k, NAN, -1.0, 1e-9);
     scene_put(s, 0, 0, 0, 0, big);
     for (size_t i = 0; i < LIGHT; i++) { /* Fibonacci's sphere */
-        double z = 1.0 - (2.0 * (double)i + 1.0) / LIGHT, turn = M_PI * (3.0 - sqrt(5.0)) * (double)i, rho = sqrt(1.0 - z * z);
+        double z = 1.0 - (2.0 * (double)i + 1.0) / LIGHT,
+               turn = M_PI * (3.0 - sqrt(5.0)) * (double)i, rho = sqrt(1.0 - z * z);
         double d = (big + small) * (1.0 - 1e-6);
         scene_put(s, i + 1, d * rho * cos(turn), d * rho * sin(turn), d * z, small);
     }
@@ -315,14 +337,18 @@ START_TEST(a_heavy_grain_among_light_ones)
     struct calx_stability look;
     struct calx_error e = {0};
     ck_assert_int_eq(calx_stability_look(r.sim, CALX_SHARP, &look, &e), 0);
-    double limit = 2.0 / sqrt(k / mass), share = 0.5 * LIGHT * 1e-3; /* all light grains together against the heavy one, halved by the root */
-    ck_assert_msg(look.limit > limit * (1.0 - 2.0 * share) && look.limit <= limit, "%g, expected %g", look.limit, limit);
+    double limit = 2.0 / sqrt(k / mass),
+           share = 0.5 * LIGHT *
+                   1e-3; /* all light grains together against the heavy one, halved by the root */
+    ck_assert_msg(look.limit > limit * (1.0 - 2.0 * share) && look.limit <= limit,
+                  "%g, expected %g", look.limit, limit);
     stop(&r);
 }
 END_TEST
 
-/* Glass on glass, 20 m/s: 40.3395 us (Chung and Ooi, Granul. Matter 13 (2011) 643, test 1, by Hertz's closed form, to the digits of the
- * constant 2.868266). Rayleigh by hand: G = 2e10 Pa, pi 0.01 sqrt(2800/2e10)/(0.1631 0.2 + 0.8766) s. */
+/* Glass on glass, 20 m/s: 40.3395 us (Chung and Ooi, Granul. Matter 13 (2011) 643, test 1, by
+ * Hertz's closed form, to the digits of the constant 2.868266). Rayleigh by hand: G = 2e10 Pa, pi
+ * 0.01 sqrt(2800/2e10)/(0.1631 0.2 + 0.8766) s. */
 START_TEST(collision_times)
 {
     struct calx_scene *s = scene_create(3, CALX_SPHERES, 1);
