@@ -29,6 +29,9 @@ int calx_sim_step(struct calx_sim *, struct calx_error *);
  * ends a stage or that a guard looks at, which are for calx_sim_step(): *made may be 0. */
 int calx_sim_advance(struct calx_sim *, int64_t steps, int64_t *made, struct calx_error *);
 
+/* All guards now, also those that a step makes only now and then: before a state is kept. CALX_ERROR_PHYSICS. */
+int calx_sim_guard(struct calx_sim *, struct calx_error *);
+
 bool calx_sim_done(const struct calx_sim *);    /* the last stage has ended */
 double calx_sim_time(const struct calx_sim *);  /* s */
 double calx_sim_end(const struct calx_sim *);   /* s, the latest end of the last stage; infinite if only a condition ends it */
@@ -36,6 +39,9 @@ int64_t calx_sim_step_count(const struct calx_sim *);
 size_t calx_sim_particle_count(const struct calx_sim *);
 size_t calx_sim_contact_count(const struct calx_sim *);
 double calx_sim_dt(const struct calx_sim *);
+/* The step over the longest stable one, of the contacts there are and of those to be expected; 0 if nothing limits it. *id (may be NULL):
+ * the particle that sets it, -1 if it is the stiffest contact to be expected. NaN without memory. */
+double calx_sim_step_share(struct calx_sim *, int64_t *id);
 int calx_sim_stage(const struct calx_sim *);    /* index of the current stage */
 bool calx_sim_stage_began(const struct calx_sim *); /* the step just made ended a stage */
 

@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "core/columns.h"
+#include "core/tangent.h"
 
 struct pair_case {
     size_t type;
@@ -18,8 +18,7 @@ struct pair_case {
     const char *name[2];
 };
 
-/* The fastest approach to expect: the fastest bodies, and a fall through the scene. */
-static double expected_speed(const struct calx_scene *scene)
+double calx_critical_speed(const struct calx_scene *scene)
 {
     static const double nowhere[3];
     double speed = 0.0, fall = 0.0, lo[3], hi[3], g2 = 0.0, extent2 = 0.0;
@@ -45,28 +44,23 @@ static double expected_speed(const struct calx_scene *scene)
 static void respond(const struct calx_plan *p, const struct pair_case *c, double overlap, double *energy,
                     double stiffness[2], double damping[2])
 {
-    static const double zero[CALX_WIDTH] = {0};
-    double depth[CALX_WIDTH] = {overlap}, mass[CALX_WIDTH], curvature[2][CALX_WIDTH], one[CALX_WIDTH];
-    double e[CALX_WIDTH] = {0}, k[2][CALX_WIDTH] = {{0}}, d[2][CALX_WIDTH] = {{0}}, h[CALX_HISTORY_MAX][CALX_WIDTH];
-    double *history[CALX_HISTORY_MAX], scratch[8][CALX_WIDTH] = {{0}}, warm[CALX_WIDTH];
-    memset(h, 0, sizeof h);
-    for (size_t q = 0; q < CALX_HISTORY_MAX; q++)
-        history[q] = h[q];
+    double e[CALX_WIDTH] = {0}, k[2][CALX_WIDTH] = {{0}}, d[2][CALX_WIDTH] = {{0}};
+    struct calx_columns columns;
+    memset(&columns, 0, sizeof columns);
+    columns.n = 1;
+    for (size_t h = 0; h < CALX_HISTORY_MAX; h++)
+        columns.history[h] = columns.kept[h];
     for (size_t q = 0; q < CALX_WIDTH; q++) {
-        mass[q] = 1.0 / (1.0 / c->mass[0] + 1.0 / c->mass[1]);
-        for (int b = 0; b < 2; b++)
-            curvature[b][q] = c->radius[b] > 0.0 ? 1.0 / c->radius[b] : 0.0;
-        one[q] = 1.0;
-        warm[q] = 293.15;
+        columns.overlap[q] = q ? 0.0 : overlap;
+        columns.normal[0][q] = 1.0;
+        columns.mass[q] = 1.0 / (1.0 / c->mass[0] + 1.0 / c->mass[1]);
+        for (int b = 0; b < 2; b++) {
+            columns.curvature[b][q] = c->radius[b] > 0.0 ? 1.0 / c->radius[b] : 0.0;
+            columns.temperature[b][q] = 293.15;
+        }
     }
-    struct calx_contacts batch = {.size = sizeof batch, .n = 1, .overlap = depth, .normal = {one, zero, zero},
-        .vn = zero, .vt = {zero, zero, zero}, .spin = {zero, zero, zero}, .mass = mass,
-        .curvature = {curvature[0], curvature[1]}, .temperature = {warm, warm}, .coulomb = scratch[0],
-        .fn = scratch[0], .ft = {scratch[1], scratch[2], scratch[3]},
-        .torque = {scratch[4], scratch[5], scratch[6]}, .work = scratch[7], .history = history};
     struct calx_response out = {.size = sizeof out, .energy = e, .stiffness = {k[0], k[1]}, .damping = {d[0], d[1]}};
-    for (size_t l = 0; l < p->law_count; l++)
-        p->laws[l].law->response(p->laws[l].params + p->laws[l].plugin->params_size * c->type, &batch, &out);
+    calx_tangent_respond(p, c->type, &columns, &out);
     *energy = e[0];
     for (int q = 0; q < 2; q++) {
         stiffness[q] = k[q][0];
@@ -91,13 +85,14 @@ static double deepest_overlap(const struct calx_plan *p, const struct pair_case 
     return hi;
 }
 
-/* The largest stable step of one pair. */
+/* The largest stable step of one pair, and half the period of its normal vibration. */
 static double pair_limit(const struct calx_scene *scene, const struct calx_plan *p, const struct pair_case *c,
-                         double speed)
+                         double speed, double *duration)
 {
     double k[2], d[2], energy, reduced = 1.0 / (1.0 / c->mass[0] + 1.0 / c->mass[1]), limit = INFINITY;
     double lever = 1.0 + 1.0 / calx_particle_inertia_factor(scene);
     respond(p, c, deepest_overlap(p, c, speed), &energy, k, d);
+    *duration = M_PI / sqrt(k[0] / reduced);
     for (int q = 0; q < 2; q++) {
         double effective = q && p->needs & CALX_NEEDS_ROTATION ? reduced / lever : reduced;
         double omega = sqrt(k[q] / effective), ratio = d[q] / (2.0 * effective * omega);
@@ -120,7 +115,8 @@ static double smallest_radius(const struct calx_scene *scene, size_t material)
 
 static void consider(const struct calx_sim *s, struct calx_plan *p, const struct pair_case *c, double speed)
 {
-    double limit = pair_limit(s->scene, p, c, speed);
+    double duration, limit = pair_limit(s->scene, p, c, speed, &duration);
+    p->shortest = fmin(p->shortest, duration);
     if (limit >= p->critical_dt)
         return;
     p->critical_dt = limit;
@@ -132,9 +128,9 @@ int calx_critical_step(struct calx_sim *s, struct calx_plan *p, struct calx_erro
 {
     const struct calx_scene *scene = s->scene;
     size_t n = scene->material_count;
-    double speed = expected_speed(scene);
+    double speed = calx_critical_speed(scene);
     (void)e;
-    p->critical_dt = INFINITY;
+    p->critical_dt = p->shortest = INFINITY;
     for (size_t type = 0; p->motion && p->law_count && type < n * n; type++) {
         size_t m[2] = {type / n, type % n};
         struct pair_case c = {.type = type};

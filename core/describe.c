@@ -5,7 +5,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/collision_times.h"
 #include "core/columns.h"
+#include "core/stability.h"
 
 static const char *yes_no(bool there)
 {
@@ -24,14 +26,65 @@ static void describe_models(const struct calx_plan *p, FILE *out)
         fprintf(out, "  temperature    %-18s %s\n", p->heat->name, p->heat->summary);
 }
 
+static void describe_heat_limit(struct calx_sim *s, FILE *out)
+{
+    double limit;
+    int64_t id;
+    if (!s->plan->conductance || !s->plan->heat || calx_heat_limit(s, &limit, &id, NULL))
+        return;
+    if (id < 0)
+        fprintf(out, "  heat limit     no thermal contact yet\n");
+    else
+        fprintf(out, "  heat limit     %.4g s (least C/sum H, of particle %lld now): the heat step is %.3g of it%s\n", limit,
+                (long long)id, s->heat_dt / limit, s->plan->heat_law->unconditional ? "; it may be longer" : "");
+}
+
+/* Times by which steps are often chosen, as far as the materials say what they need. */
+static void describe_times(const struct calx_sim *s, FILE *out)
+{
+    const struct calx_scene *scene = s->scene;
+    double speed = calx_critical_speed(scene), dt = s->dt;
+    struct calx_collision_times t = calx_collision_times_find(scene, speed);
+    if (isfinite(t.rayleigh))
+        fprintf(out, "  Rayleigh time  %.4g s (%s): the step is %.3g of it\n", t.rayleigh,
+                scene->materials[t.rayleigh_material].name, dt / t.rayleigh);
+    if (isfinite(t.hertz))
+        fprintf(out, "  Hertz impact   %.4g s (%s on %s at %.3g m/s): %.3g steps\n", t.hertz,
+                scene->materials[t.hertz_material[0]].name, scene->materials[t.hertz_material[1]].name, speed, t.hertz / dt);
+    if (speed > 0.0 && s->n)
+        fprintf(out, "  displacement   %.3g of the smallest radius per step at %.3g m/s; a run stops beyond 0.5\n",
+                speed * dt / s->radius_min, speed);
+}
+
+/* The longest stable step of the contacts there are now. */
+static void describe_stability(struct calx_sim *s, FILE *out)
+{
+    struct calx_stability now;
+    if (!s->plan->motion || calx_stability_look(s, CALX_SHARP, &now, NULL))
+        return;
+    if (!isfinite(now.limit)) {
+        fprintf(out, "  contacts now   none that vibrates%s\n", s->plan->adapts ? "; the step follows the contacts" : "");
+        return;
+    }
+    fprintf(out, "  contacts now   stable up to %.4g s at least, which particle %lld with %d contact%s sets (%.4g s by iteration; plain sums "
+            "of stiffness: %.4g s): the step%s is %.3g of it\n", now.limit, (long long)now.id, now.contacts,
+            now.contacts == 1 ? "" : "s", now.sharp, now.plain, s->plan->adapts ? ", which follows the contacts," : "", s->dt / now.limit);
+    fprintf(out, "  shortest       contact now: particle %lld with ", (long long)now.pair[0]);
+    if (now.pair[1] < 0)
+        fprintf(out, "wall '%s'", s->scene->walls[-1 - now.pair[1]].name);
+    else
+        fprintf(out, "particle %lld", (long long)now.pair[1]);
+    fprintf(out, ", %.4g s or %.3g steps\n", now.shortest, now.shortest / s->dt);
+}
+
 static void describe_step(const struct calx_plan *p, FILE *out)
 {
     fprintf(out, "  time step      %.4g s", p->dt);
     if (!p->motion)
         fprintf(out, " (bodies do not move: of the integrator of temperature)\n");
     else if (isfinite(p->critical_dt))
-        fprintf(out, ", %.3g of the stability limit %.4g s, which %s sets (one pair; a body with many contacts "
-                "has a lower one)\n", p->dt / p->critical_dt, p->critical_dt, p->critical_text);
+        fprintf(out, ", %.3g of the stability limit %.4g s, which %s sets (one contact, as deep as is to be "
+                "expected)\n", p->dt / p->critical_dt, p->critical_dt, p->critical_text);
     else
         fprintf(out, " (no contact law limits it)\n");
     if (p->heat && p->motion)
@@ -108,6 +161,10 @@ void calx_sim_describe(const struct calx_sim *sim, FILE *out)
         describe_models(&s->plans[k], out);
         describe_step(&s->plans[k], out);
     }
+    describe_stability(s, out);
+    if (s->plan->motion)
+        describe_times(s, out);
+    describe_heat_limit(s, out);
     describe_biot(s, out);
     fprintf(out, "computed\n");
     describe_features(s, out);

@@ -33,7 +33,7 @@ static void each(void *engine, double dt, calx_rows_kernel *translation, calx_ro
     }
     s->drift += sqrt(largest);
     s->moved += sqrt(largest);
-    s->speed = fmax(s->speed, sqrt(largest) / s->plan->dt);
+    s->speed = fmax(s->speed, sqrt(largest) / s->dt);
 }
 
 static double largest(void *engine, double dt,
@@ -57,7 +57,7 @@ static double largest(void *engine, double dt,
  * too. */
 static void book(struct calx_sim *s, double elapsed)
 {
-    double assumed = s->dt_now > 0.0 ? s->dt_now : s->plan->dt;
+    double assumed = s->dt_now > 0.0 ? s->dt_now : s->dt;
     s->wall_work += 0.5L * (long double)s->wall_power * (long double)(elapsed - assumed);
     s->dt_now = elapsed;
     calx_ledger_step(s, elapsed);
@@ -107,11 +107,11 @@ static int forces(void *engine, const struct calx_evaluation *ask)
 int calx_motion_step_global(struct calx_sim *s, double t, struct calx_error *e)
 {
     const struct calx_plan *p = s->plan;
-    struct drive d = {.s = s, .e = e, .t = t, .end = (t - p->dt) + p->dt, .walls = t - p->dt};
+    struct drive d = {.s = s, .e = e, .t = t, .end = (t - s->dt) + s->dt, .walls = t - s->dt};
     struct calx_motion_host host = {.size = sizeof host,
                                     .engine = &d,
-                                    .t = t - p->dt,
-                                    .dt = p->dt,
+                                    .t = t - s->dt,
+                                    .dt = s->dt,
                                     .memory = s->memory,
                                     .each = each,
                                     .largest = largest,

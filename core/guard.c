@@ -1,47 +1,52 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * What must not happen, checked in each step from figures that the step already has: a state that is not finite, overlaps
- * and displacements beyond what the method can mean; and, every so many steps, energy from nothing and bodies outside the domain.
- * A trip stops the run with time, particles, reason and remedy.
+ * and displacements beyond what the method can mean; every sixteenth step temperatures beyond what can be; and, every CALX_SELDOM steps
+ * and before a state is kept, energy from nothing, and contacts that the step does not resolve or that make it unstable.
+ * A trip stops the run with time, particles, contact, laws, reason and remedy.
  */
 #include <math.h>
 #include <stdio.h>
 
-#include "core/state.h"
+#include "core/guard.h"
 
 static const double DISPLACEMENT_BOUND = 0.5; /* of the smallest radius, per step */
 static const double ENERGY_BOUND = 0.5;       /* of the largest energy that took part */
 
-static int not_finite(const struct calx_sim *s, struct calx_error *e)
+enum { TEMPERATURE_EVERY = 16 };
+
+static int not_finite(struct calx_sim *s, struct calx_error *e)
 {
+    char contact[CALX_GUARD_TEXT];
     for (size_t b = 0; b < s->block_count; b++)
         for (int32_t row = s->blocks[b].first; row < s->blocks[b].first + s->blocks[b].own; row++) {
-            /* a block that went ahead has not kept its accelerations, but moved by them */
-            const double *a = calx_row_a(s, row), *v = calx_row_v(s, row), *x = calx_row_x(s, row);
-            if (!isfinite(a[0] + a[1] + a[2] + v[0] + v[1] + v[2]))
-                return calx_error_set(e, CALX_ERROR_PHYSICS,
-                    "at t = %g s the force on particle %lld at (%g, %g, %g) m is not finite. The step is probably too "
-                    "long for this stiffness: dt = %g s, stability limit %g s; reduce dt", s->time,
-                    (long long)s->r.id[row], x[0], x[1], x[2], s->plan->dt, s->plan->critical_dt);
+            const double *a = calx_row_a(s, row), *x = calx_row_x(s, row), *v = calx_row_v(s, row);
+            double sum = a[0] + a[1] + a[2] + x[0] + x[1] + x[2] + v[0] + v[1] + v[2];
+            for (size_t lane = 4; lane < s->r.stride; lane++)
+                sum += a[lane] + v[lane];
+            if (isfinite(sum))
+                continue;
+            calx_guard_contact(s, row, contact);
+            return calx_error_set(e, CALX_ERROR_PHYSICS,
+                "at t = %g s the force on particle %lld at (%g, %g, %g) m, or its motion or temperature, is not finite; %.200s. The "
+                "step is probably too long for this stiffness: dt = %g s, stability limit %g s; reduce dt", s->time,
+                (long long)s->r.id[row], x[0], x[1], x[2], contact, s->dt, s->plan->critical_dt);
         }
     return 0;
 }
 
 static int too_deep(const struct calx_sim *s, const struct calx_tally *t, struct calx_error *e)
 {
-    char partner[80];
-    int32_t j = t->overlap_rows[1];
-    if (j < 0)
-        snprintf(partner, sizeof partner, "wall '%s'", s->scene->walls[-1 - j].name);
-    else
-        snprintf(partner, sizeof partner, "particle %lld", (long long)calx_row_id(s, j));
+    char partner[CALX_GUARD_TEXT], laws[CALX_GUARD_TEXT];
+    calx_guard_name(s, t->overlap_rows[1], partner);
+    calx_guard_laws(s->plan, laws);
     return calx_error_set(e, CALX_ERROR_PHYSICS,
-        "at t = %g s particle %lld overlaps %s by %.0f %% of the smaller radius. The contact is too soft for the forces on "
-        "it, or bodies overlap at the start: raise the stiffness, lower the speeds, or start without overlap", s->time,
-        (long long)calx_row_id(s, t->overlap_rows[0]), partner, 100.0 * t->overlap);
+        "at t = %g s particle %lld overlaps %.80s by %.0f %% of the smaller radius (laws %.120s). The contact is too soft for the "
+        "forces on it, or bodies overlap at the start: raise the stiffness, lower the speeds, or start without overlap", s->time,
+        (long long)calx_row_id(s, t->overlap_rows[0]), partner, 100.0 * t->overlap, laws[0] ? laws : "none");
 }
 
-static int too_fast(const struct calx_sim *s, struct calx_error *e)
+static int32_t fastest_row(const struct calx_sim *s)
 {
     int32_t fastest = s->block_count ? s->blocks[0].first : 0;
     double largest = -1.0;
@@ -52,10 +57,18 @@ static int too_fast(const struct calx_sim *s, struct calx_error *e)
             fastest = speed2 > largest ? row : fastest;
             largest = speed2 > largest ? speed2 : largest;
         }
+    return fastest;
+}
+
+static int too_fast(struct calx_sim *s, struct calx_error *e)
+{
+    int32_t fastest = fastest_row(s);
+    char contact[CALX_GUARD_TEXT];
+    calx_guard_contact(s, fastest, contact);
     return calx_error_set(e, CALX_ERROR_PHYSICS,
         "at t = %g s particle %lld moves %g m in one step, more than half the smallest radius (%g m): it could pass through a "
-        "wall unseen. Reduce dt below %.2g s, or look for what accelerates it", s->time, (long long)s->r.id[fastest],
-        s->speed * s->plan->dt, s->radius_min, 0.1 * s->radius_min / s->speed);
+        "wall unseen; %.200s. Reduce dt below %.2g s, or look for what accelerates it", s->time, (long long)s->r.id[fastest],
+        s->speed * s->dt, s->radius_min, contact, 0.1 * s->radius_min / s->speed);
 }
 
 static int wall_too_fast(const struct calx_sim *s, struct calx_error *e)
@@ -63,18 +76,22 @@ static int wall_too_fast(const struct calx_sim *s, struct calx_error *e)
     return calx_error_set(e, CALX_ERROR_PHYSICS,
         "at t = %g s wall '%s' moves %g m in one step, more than half the smallest radius (%g m): it could pass grains "
         "unseen. Reduce dt below %.2g s, or its speed", s->time, s->scene->walls[s->wall_fastest].name, s->wall_step,
-        s->radius_min, 0.1 * s->radius_min / s->wall_step * s->plan->dt);
+        s->radius_min, 0.1 * s->radius_min / s->wall_step * s->dt);
 }
 
 static int energy_created(struct calx_sim *s, struct calx_error *e)
 {
     struct calx_ledger l = calx_sim_ledger(s);
-    if (!(l.residual > ENERGY_BOUND * l.scale))
+    char contact[CALX_GUARD_TEXT];
+    if (!(l.residual > ENERGY_BOUND * l.scale) || !s->n)
         return 0;
+    int32_t fastest = fastest_row(s);
+    calx_guard_contact(s, fastest, contact);
     return calx_error_set(e, CALX_ERROR_PHYSICS,
-        "at t = %g s energy came from nothing: %g J more than went in, of %g J that took part. The step is too long for the "
-        "stiffness or damping (dt = %g s, stability limit of one pair %g s, less in a dense packing): reduce dt", s->time,
-        l.residual, l.scale, s->plan->dt, s->plan->critical_dt);
+        "at t = %g s energy came from nothing: %g J more than went in, of %g J that took part. The fastest is particle %lld, %g m/s; "
+        "%.200s. The step is too long for the stiffness or damping (dt = %g s, stability limit of one pair %g s, less in a dense packing): reduce "
+        "dt; or a law gives energy: `calx plugins --check` finds it", s->time, l.residual, l.scale,
+        (long long)s->r.id[fastest], s->speed, contact, s->dt, s->plan->critical_dt);
 }
 
 /* Looks at all bodies, and notes how far the nearest one is from leaving: until somebody can have come that far, no look is needed. */
@@ -105,7 +122,44 @@ int calx_guard_left(const struct calx_sim *s, int32_t row, int axis, struct calx
         s->scene->high[axis]);
 }
 
-int calx_guard_finite(const struct calx_sim *s, struct calx_error *e)
+int calx_guard_all(struct calx_sim *s, struct calx_error *e)
+{
+    CALX_TRY(not_finite(s, e));
+    CALX_TRY(calx_heat_check(s, e));
+    CALX_TRY(calx_guard_temperature(s, e));
+    if (!s->plan->motion)
+        return 0;
+    CALX_TRY(energy_created(s, e));
+    return calx_guard_contacts(s, e);
+}
+
+int calx_sim_guard(struct calx_sim *s, struct calx_error *e)
+{
+    double depth = s->overlap_seen;
+    int64_t contacts = s->contacts_seen;
+    int code = calx_guard_all(s, e);
+    s->overlap_seen = depth; /* who looks, and when, changes nothing */
+    s->contacts_seen = contacts;
+    return code;
+}
+
+/* From figures that the step has. */
+static int motion_step(struct calx_sim *s, struct calx_error *e)
+{
+    for (size_t b = 0; b < s->block_count; b++)
+        if (s->tallies[b].overlap > CALX_OVERLAP_BOUND)
+            return too_deep(s, &s->tallies[b], e);
+    if (s->speed * s->dt > DISPLACEMENT_BOUND * s->radius_min && s->features.contacts)
+        return too_fast(s, e);
+    if (s->wall_step > DISPLACEMENT_BOUND * s->radius_min && s->features.wall_contacts)
+        return wall_too_fast(s, e);
+    s->clearance -= s->moved;
+    if (s->clearance <= s->moved) /* a block that went ahead is one step further */
+        CALX_TRY(outside(s, e));
+    return calx_guard_contacts_step(s, e);
+}
+
+int calx_guard_finite(struct calx_sim *s, struct calx_error *e)
 {
     for (size_t b = 0; b < s->block_count; b++)
         if (isnan(s->tallies[b].finite))
@@ -116,19 +170,11 @@ int calx_guard_finite(const struct calx_sim *s, struct calx_error *e)
 int calx_guard_step(struct calx_sim *s, struct calx_error *e)
 {
     CALX_TRY(calx_guard_finite(s, e));
-    if (s->step % CALX_SELDOM == 0)
-        CALX_TRY(calx_heat_check(s, e));
-    if (!s->plan->motion)
-        return 0;
-    for (size_t b = 0; b < s->block_count; b++)
-        if (s->tallies[b].overlap > CALX_OVERLAP_BOUND)
-            return too_deep(s, &s->tallies[b], e);
-    if (s->speed * s->plan->dt > DISPLACEMENT_BOUND * s->radius_min && s->features.contacts)
-        return too_fast(s, e);
-    if (s->wall_step > DISPLACEMENT_BOUND * s->radius_min && s->features.wall_contacts)
-        return wall_too_fast(s, e);
-    s->clearance -= s->moved;
-    if (s->clearance <= s->moved) /* a block that went ahead is one step further */
-        CALX_TRY(outside(s, e));
-    return s->step % CALX_SELDOM ? 0 : energy_created(s, e);
+    if (s->features.temperature)
+        calx_guard_walls(s);
+    if (s->plan->motion)
+        CALX_TRY(motion_step(s, e));
+    if (s->features.temperature && s->step % TEMPERATURE_EVERY == 0)
+        CALX_TRY(calx_guard_temperature(s, e));
+    return s->step % CALX_SELDOM ? 0 : calx_guard_all(s, e);
 }

@@ -25,7 +25,7 @@ static int32_t place_of_row(const struct calx_sim *s, int32_t row)
 static void release_store(struct calx_sim *s, const struct calx_row_block *b)
 {
     for (int32_t row = b->first; s->r.heat_store && row < b->first + b->own; row++) {
-        calx_row_a(s, row)[7] += s->r.heat_store[row] / s->plan->heat_dt;
+        calx_row_a(s, row)[7] += s->r.heat_store[row] / s->heat_dt;
         s->r.heat_store[row] = 0.0;
     }
 }
@@ -34,7 +34,7 @@ static void release_store(struct calx_sim *s, const struct calx_row_block *b)
 static void take_wall_heat(struct calx_sim *s)
 {
     for (size_t b = 0; b < s->block_count; b++)
-        s->wall_heat += (long double)s->tallies[b].wall_heat * (long double)s->plan->heat_dt;
+        s->wall_heat += (long double)s->tallies[b].wall_heat * (long double)s->heat_dt;
 }
 
 /* Arrays of the network, compact: node k is the k-th particle in order. */
@@ -122,7 +122,7 @@ static int step_global(struct calx_sim *s, struct calx_error *e)
     }
     fill_nodes(s, &a);
     fill_edges(s, &a);
-    struct calx_network net = {.size = sizeof net, .n = s->n, .dt = p->heat_dt, .temperature = a.temperature,
+    struct calx_network net = {.size = sizeof net, .n = s->n, .dt = s->heat_dt, .temperature = a.temperature,
                                .capacity = a.capacity, .source = a.source, .edges = edges, .edge = {a.i, a.j},
                                .edge_conductance = a.h, .boundaries = boundaries, .boundary = a.bi,
                                .boundary_conductance = a.bh, .boundary_temperature = a.bt,
@@ -142,7 +142,7 @@ int calx_heat_step(struct calx_sim *s, struct calx_error *e)
 {
     if (!s->plan->heat_law)
         return 0;
-    if (s->stage_step % s->plan->heat_every)
+    if ((s->stage_step - s->pace_step) % s->heat_every)
         return 0;
     if (s->plan->global_heat)
         return step_global(s, e);
@@ -182,24 +182,39 @@ static double fastest_exchange(const struct calx_sim *s, double *sum, int32_t *f
     return most;
 }
 
+int calx_heat_limit(struct calx_sim *s, double *limit, int64_t *id, struct calx_error *e)
+{
+    struct exchange x = {s, calloc(s->r.rows + 1, sizeof *x.sum)};
+    struct calx_sink sink = {&x, add_exchange};
+    *limit = INFINITY;
+    *id = -1;
+    if (!x.sum)
+        return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory to check the heat step");
+    for (size_t b = 0; s->plan->conductance && b < s->block_count; b++)
+        s->engine->block_network(s, b, &sink);
+    int32_t fastest = -1;
+    double most = fastest_exchange(s, x.sum, &fastest);
+    free(x.sum);
+    if (fastest < 0)
+        return 0;
+    *limit = 1.0 / most;
+    *id = s->r.id[fastest];
+    return 0;
+}
+
 int calx_heat_check(struct calx_sim *s, struct calx_error *e)
 {
     const struct calx_plan *p = s->plan;
-    if (!p->heat_law || !p->conductance || p->heat_law->unconditional || !s->block_count)
+    double limit;
+    int64_t id;
+    if (!p->heat_law || !p->conductance || p->heat_law->unconditional)
         return 0;
-    struct exchange x = {s, calloc(s->r.rows, sizeof *x.sum)};
-    struct calx_sink sink = {&x, add_exchange};
-    int32_t fastest = s->blocks[0].first;
-    if (!x.sum)
-        return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory to check the heat step");
-    for (size_t b = 0; b < s->block_count; b++)
-        s->engine->block_network(s, b, &sink);
-    double limit = 0.5 * p->heat_law->stability / fastest_exchange(s, x.sum, &fastest);
-    free(x.sum);
-    if (p->heat_dt <= limit)
+    CALX_TRY(calx_heat_limit(s, &limit, &id, e));
+    limit *= 0.5 * p->heat_law->stability;
+    if (s->heat_dt <= limit)
         return 0;
     return calx_error_set(e, CALX_ERROR_PHYSICS,
         "at t = %g s the heat step of %g s is too long for %s: particle %lld exchanges heat so fast that temperatures "
         "overshoot beyond %g s. Give that integrator of temperature a shorter dt, or use heat-theta", s->time,
-        p->heat_dt, p->heat->name, (long long)s->r.id[fastest], limit);
+        s->heat_dt, p->heat->name, (long long)id, limit);
 }

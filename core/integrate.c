@@ -97,7 +97,7 @@ static double before(struct part *p, size_t stage)
     const void *params = p->s->plan->motion_params;
     calx_rows_kernel *move = law->translation[stage].before, *turn = law->rotation[stage].before;
     if (!law->drifts)
-        return run_measured(p, stage, params, move, turn) / (p->s->plan->dt * p->s->plan->dt);
+        return run_measured(p, stage, params, move, turn) / (p->s->dt * p->s->dt);
     run(p, stage, params, law->whole ? law->whole[stage].before : NULL, move, turn);
     return largest_speed2(p);
 }
@@ -216,10 +216,10 @@ static void warm(const struct part *p)
     const struct calx_plan *plan = s->plan;
     double *store = s->r.heat_store ? s->r.heat_store + p->first : NULL;
     for (size_t i = 0; store && i < p->n; i++) {
-        p->a[8 * i + 7] += store[i] / plan->heat_dt;
+        p->a[8 * i + 7] += store[i] / s->heat_dt;
         store[i] = 0.0;
     }
-    plan->heat_law->advance(plan->heat_params, p->n, plan->heat_dt, s->r.v + 8 * p->first + 7, 8, p->a + 7, 8,
+    plan->heat_law->advance(plan->heat_params, p->n, s->heat_dt, s->r.v + 8 * p->first + 7, 8, p->a + 7, 8,
                             s->r.inverse_capacity + p->first);
 }
 

@@ -57,6 +57,18 @@ const struct calx_ledger *calx_measure_ledger(struct calx_sim *sim)
 
 /* ---- one value ---- */
 
+double calx_measure_step_share(struct calx_sim *sim, int64_t *id)
+{
+    struct calx_measure_cache *cache = calx_sim_measure_cache(sim);
+    int64_t step = calx_sim_step_count(sim);
+    if (!cache->has_share || cache->share_step != step)
+        cache->share = calx_sim_step_share(sim, &cache->share_id);
+    cache->has_share = true;
+    cache->share_step = step;
+    *id = cache->share_id;
+    return cache->share;
+}
+
 /* The chosen component; the size of a vector if none is chosen. */
 static double component(const double value[3], int components, char which)
 {
@@ -239,7 +251,7 @@ void calx_measure_begin_stage(struct calx_sim *sim, int stage)
     struct calx_measure_cache *cache = calx_sim_measure_cache(sim);
     double up[3];
     cache->frame_step = -1; /* a stage may move walls or change laws without a step */
-    cache->has_ledger = false;
+    cache->has_ledger = cache->has_share = false;
     calx_measure_up(sim, up);
     for (size_t i = 0; i < scene->probe_count; ++i) {
         const struct calx_probe *p = &scene->probes[i];

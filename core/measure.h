@@ -37,8 +37,10 @@ const char *calx_measure_classes(void);
 struct calx_measure_cache {
     struct calx_frame *frame;
     struct calx_ledger ledger;
-    int64_t frame_step, ledger_step;
-    bool has_ledger;
+    int64_t frame_step, ledger_step, share_step;
+    bool has_ledger, has_share;
+    double share;     /* of calx_sim_step_share() */
+    int64_t share_id;
     bool written; /* the frame went to a file: changes of the walls count from here */
 };
 
@@ -58,6 +60,9 @@ void calx_measure_begin_stage(struct calx_sim *, int stage);
  * for. NULL without memory. */
 const struct calx_frame *calx_measure_frame(struct calx_sim *);
 void calx_measure_mark_written(struct calx_sim *);
+
+/* calx_sim_step_share(), worked out once per state. */
+double calx_measure_step_share(struct calx_sim *, int64_t *id);
 
 /* ---- provided by the engine ---- */
 

@@ -149,6 +149,21 @@ static bool momentum(const struct calx_measure_view *v, double out[3])
     return true;
 }
 
+static bool step_share(const struct calx_measure_view *v, double out[3])
+{
+    int64_t id;
+    out[0] = calx_measure_step_share(v->sim, &id);
+    return true;
+}
+
+static bool step_share_particle(const struct calx_measure_view *v, double out[3])
+{
+    int64_t id;
+    calx_measure_step_share(v->sim, &id);
+    out[0] = (double)id;
+    return true;
+}
+
 /* The largest overlap, divided by the smaller radius if `by_radius`; 0 without contacts. */
 static bool largest_overlap(const struct calx_measure_view *v, bool by_radius, double out[3])
 {
@@ -286,6 +301,10 @@ static const struct calx_measure_row rows[] = {
     PARTICLE("coordination-number", "1", 1, coordination, "contacts of a particle"),
     WHOLE("time", "s", 1, time_now, "time of the run"),
     WHOLE("step", "1", 1, step, "steps made"),
+    WHOLE("step-share", "1", 1, step_share,
+          "time step over the longest stable one, of the contacts there are and those to be expected"),
+    WHOLE("step-share-particle", "1", 1, step_share_particle,
+          "the particle whose contacts set the longest stable step; -1: the stiffest contact to be expected"),
     WHOLE("count", "1", 1, count, "particles"),
     WHOLE("contacts", "1", 1, contacts, "touching pairs, walls included"),
     WHOLE("pair-contacts", "1", 1, pair_contacts, "touching pairs of particles"),
@@ -343,6 +362,8 @@ static const struct calx_column columns[] = {
     {"contacts", "contacts", "", false},
     {"coordination_number", "coordination-number", "mean", false},
     {"max_overlap_relative", "max-overlap-relative", "", false},
+    {"step_share", "step-share", "", false},
+    {"step_share_particle", "step-share-particle", "", false},
     {"temperature_min", "temperature", "min", true},
     {"temperature_mean", "temperature", "mean", true},
     {"temperature_max", "temperature", "max", true},

@@ -17,8 +17,8 @@ static void take_speed(struct calx_sim *s, double speed2, bool first)
 {
     double speed = sqrt(speed2);
     s->speed = first ? speed : fmax(s->speed, speed);
-    s->drift += speed * s->plan->dt;
-    s->moved += speed * s->plan->dt;
+    s->drift += speed * s->dt;
+    s->moved += speed * s->dt;
 }
 
 /* The kernels before this step's evaluation have run at the end of the last. */
@@ -64,7 +64,7 @@ static int try_stage(struct calx_sim *s, size_t stage, double t, double elapsed,
                      bool first, struct calx_error *e)
 {
     s->trial = true;
-    s->lag = s->plan->motion_law->translation[stage].lag * s->plan->dt;
+    s->lag = s->plan->motion_law->translation[stage].lag * s->dt;
     calx_step_set_gravity(s, t);
     take_speed(s, go_before(s, stage), first);
     calx_walls_move(s, t, walls);
@@ -77,12 +77,12 @@ static int last_stage(struct calx_sim *s, size_t stage, double t, double walls, 
                       bool first, struct calx_error *e)
 {
     s->trial = false;
-    s->lag = s->plan->motion_law->velocity_lag * s->plan->dt;
+    s->lag = s->plan->motion_law->velocity_lag * s->dt;
     calx_step_set_gravity(s, t);
     take_speed(s, s->ahead ? gone_ahead(s) : go_before(s, stage), first);
     s->ahead = ahead;
     calx_walls_move(s, t, walls);
-    struct calx_pass pass = calx_step_end_pass(s, s->plan->dt, (int)stage, ahead);
+    struct calx_pass pass = calx_step_end_pass(s, s->dt, (int)stage, ahead);
     CALX_TRY(calx_step_forces(s, &pass, e));
     take_moved(s);
     return 0;
@@ -91,7 +91,7 @@ static int last_stage(struct calx_sim *s, size_t stage, double t, double walls, 
 static int stages(struct calx_sim *s, double t, bool ahead, struct calx_error *e)
 {
     const struct calx_motion_integrator *law = s->plan->motion_law;
-    double dt = s->plan->dt, before = 0.0;
+    double dt = s->dt, before = 0.0;
     size_t end = law->start + law->stages;
     for (size_t stage = law->start; stage + 1 < end; stage++) {
         double at = law->translation[stage].time;
@@ -112,11 +112,11 @@ int calx_motion_step(struct calx_sim *s, double t, bool ahead, struct calx_error
 {
     if (!s->plan->motion_law->stages)
         return calx_motion_step_global(s, t, e);
-    s->dt_now = s->rows_dt = s->plan->dt;
+    s->dt_now = s->rows_dt = s->dt;
     int failed = stages(s, t, ahead, e);
     end_evaluations(s);
     CALX_TRY(failed);
-    calx_ledger_step(s, s->plan->dt);
+    calx_ledger_step(s, s->dt);
     return 0;
 }
 
@@ -125,7 +125,7 @@ int calx_motion_step(struct calx_sim *s, double t, bool ahead, struct calx_error
 static int start_stages(struct calx_sim *s, struct calx_error *e)
 {
     const struct calx_motion_integrator *law = s->plan->motion_law;
-    double dt = s->plan->dt, before = 0.0;
+    double dt = s->dt, before = 0.0;
     for (size_t stage = 0; stage < law->start; stage++) {
         double at = law->translation[stage].time;
         CALX_TRY(
@@ -148,7 +148,7 @@ int calx_motion_start(struct calx_sim *s, struct calx_error *e)
     int failed = !angle || !shift;
     if (failed)
         calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory to start the integrator");
-    s->rows_dt = s->plan->dt;
+    s->rows_dt = s->dt;
     if (!failed) {
         memcpy(angle, s->wall_angle, walls * sizeof *angle);
         memcpy(shift, s->wall_shift, walls * sizeof *shift);

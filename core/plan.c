@@ -300,10 +300,11 @@ static int choose_step(struct calx_sim *s, struct calx_plan *p, struct calx_erro
     if (!(p->dt > 0.0) || !isfinite(p->dt))
         return calx_error_set(e, CALX_ERROR_INPUT,
             "no time step: nothing in the case sets one (no stiff contact); give dt on <integrator>");
-    if (!m->frozen && p->dt > p->critical_dt)
+    if (!m->frozen && !m->forced && p->dt > p->critical_dt)
         return calx_error_set(e, CALX_ERROR_INPUT,
             "dt = %g s is above the stability limit %g s, set by %s: use dt=\"%.2g s\" (a twentieth of it) or dt=\"auto\"",
             p->dt, p->critical_dt, p->critical_text, 0.05 * p->critical_dt);
+    p->adapts = !m->frozen && !(m->dt > 0.0) && !p->motion_law->constant_step;
     double ratio = m->heat_dt > 0.0 && !m->frozen ? m->heat_dt / p->dt : 1.0;
     p->heat_every = ratio > 1.5 ? (int64_t)llround(ratio) : 1;
     p->heat_dt = (double)p->heat_every * p->dt;

@@ -270,6 +270,7 @@ struct calx_motion_integrator {
     double stability, damping;
     double velocity_lag;     /* at a force evaluation velocities are those of lag*dt before the positions; not changed by prepare
                               * when setup.uses_velocity is */
+    uint32_t constant_step;  /* 1: the step may not change during a run, for the extra state is that of one step */
     uint32_t extra_translation, extra_rotation; /* rows of extra state per particle, 8 at most */
     const char *const *extra; /* their names */
     const struct calx_stage *translation; /* `start + stages` entries */

@@ -18,7 +18,9 @@ struct scalars {
     uint64_t n, rows, places, apart, reach, block_count, group_count, near_count, edge_capacity, boundary_capacity,
         collect_count;
     long double dissipated, wall_work, outside_work, wall_heat, dissipation_heat, energy0, heat0;
-    double wall_power, potential0, scale, heat_scale;
+    double wall_power, potential0, scale, heat_scale, coldest, hottest, overlap_seen;
+    double dt, heat_dt, pace_time, pace_overlap, checked;
+    int64_t contacts_seen, heat_every, pace_step, pace_level, pace_due;
 };
 
 #define COPY_SCALARS(to, from)                                                                     \
@@ -42,6 +44,13 @@ struct scalars {
         (to)->dissipation_heat = (from)->dissipation_heat, (to)->energy0 = (from)->energy0;        \
         (to)->heat0 = (from)->heat0, (to)->wall_power = (from)->wall_power;                        \
         (to)->potential0 = (from)->potential0, (to)->scale = (from)->scale;                        \
+        (to)->coldest = (from)->coldest, (to)->hottest = (from)->hottest;                          \
+        (to)->overlap_seen = (from)->overlap_seen, (to)->contacts_seen = (from)->contacts_seen;    \
+        (to)->dt = (from)->dt, (to)->heat_dt = (from)->heat_dt;                                    \
+        (to)->heat_every = (from)->heat_every, (to)->pace_time = (from)->pace_time;                \
+        (to)->pace_step = (from)->pace_step, (to)->pace_level = (from)->pace_level;                \
+        (to)->pace_due = (from)->pace_due, (to)->pace_overlap = (from)->pace_overlap;              \
+        (to)->checked = (from)->checked;                                                           \
         (to)->heat_scale = (from)->heat_scale;                                                     \
     } while (0)
 
@@ -230,6 +239,7 @@ int calx_sim_restore(struct calx_sim *s, const struct calx_block *blocks, size_t
         if (b->bytes)
             memcpy(*list.items[k].pointer, b->data, b->bytes);
     }
+    calx_pace_resume(s);
     calx_measure_clear(&s->measure);
     s->walls_changed = true;
     calx_neighbours_team(s);

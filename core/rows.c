@@ -26,7 +26,8 @@ static size_t list_arrays(const struct calx_sim *s, size_t stride,
     for (size_t p = 0; p < s->plan_count; p++) {
         const struct calx_plan *plan = &s->plans[p];
         const struct calx_motion_integrator *m = plan->motion_law;
-        store |= f->temperature && (plan->heat_every > 1 || (m && !m->stages)) && s->scene->from_dissipation > 0.0;
+        bool waits = plan->heat_every > 1 || (m && !m->stages) || (plan->adapts && plan->models->heat_dt > 0.0);
+        store |= f->temperature && waits && s->scene->from_dissipation > 0.0;
         translation = m && m->extra_translation > translation ? m->extra_translation : translation;
         rotation = m && f->rotation && m->extra_rotation > rotation ? m->extra_rotation : rotation;
     }

@@ -137,10 +137,23 @@ static void scatter_both(const struct calx_block_view *b, const struct calx_colu
     }
 }
 
-/* Which of the bodies of the batch overlap more than any before, relative to the smaller radius. */
+/* Overlap relative to the smaller radius. */
+CALX_INLINE calx_v8 depth_of(const struct calx_block_view *b, const struct calx_columns *c, size_t lane)
+{
+    calx_v8 overlap = calx_v8_load(c->overlap + lane);
+    if (b->s->radius_min == b->s->radius_max)
+        return overlap * (1.0 / b->s->radius_min);
+    /* reach - |excess| is twice the smaller radius; the levers sum up to reach, or to the distance */
+    calx_v8 reach = calx_v8_load(c->levers + lane), excess = calx_v8_load(c->excess + lane);
+    reach += b->s->plan->models->lever_full ? (calx_v8){0} : overlap;
+    return 2.0 * overlap / (reach - calx_v8_max(excess, -excess));
+}
+
+/* Whose overlap is beyond the bound. */
 static void note_deepest(const struct calx_block_view *b, const struct calx_columns *c)
 {
     struct calx_tally *t = b->tally;
+    t->overlap = 0.0;
     for (size_t lane = 0; lane < c->n; lane++) {
         double ri = calx_place_row(b->x, 4, b->i[lane])[3], rj = calx_place_row(b->x, 4, b->j[lane])[3];
         double depth = c->overlap[lane] / (ri < rj ? ri : rj);
@@ -152,19 +165,20 @@ static void note_deepest(const struct calx_block_view *b, const struct calx_colu
     }
 }
 
-/* Overlaps that no pair could have relative to its smaller radius are passed over: what is noted is exact from the bound of the guard on. */
 static void tally(const struct calx_block_view *b, struct calx_columns *c)
 {
     struct calx_tally *t = b->tally;
     calx_v8 work = {0}, deepest = {0};
     for (size_t lane = 0; lane < c->n; lane += 8) {
-        calx_v8 w = calx_v8_load(c->work + lane), overlap = calx_v8_load(c->overlap + lane);
+        calx_v8 w = calx_v8_load(c->work + lane), overlap = calx_v8_load(c->overlap + lane), depth = depth_of(b, c, lane);
         work += lane + 8 > c->n ? calx_v8_first(w, c->n - lane) : w;
-        deepest = calx_v8_max(deepest, overlap);
+        deepest = calx_v8_max(deepest, lane + 8 > c->n ? calx_v8_first(depth, c->n - lane) : depth);
         t->contacts += __builtin_popcount(b->s->plan->gap > 0.0 ? calx_v8_less((calx_v8){0}, overlap) : c->is[lane / 8]);
     }
     t->work += calx_v8_sum(work);
-    if (calx_v8_less((calx_v8){0} + CALX_OVERLAP_BOUND * b->s->radius_min, deepest))
+    for (int lane = 0; lane < 8; lane++)
+        t->overlap = deepest[lane] > t->overlap ? deepest[lane] : t->overlap;
+    if (t->overlap > CALX_OVERLAP_BOUND)
         note_deepest(b, c);
 }
 

@@ -58,7 +58,9 @@ struct calx_models {
     struct calx_model *list;
     double dt;          /* s; 0: automatic */
     double dt_fraction; /* of the critical step, when automatic (0.1 to 1) */
+    double safety;      /* share of the stability limit of all contacts that an automatic step keeps to; 0: 0.5 */
     double heat_dt;     /* s; 0: the step of motion */
+    bool forced;        /* a step above the limit is taken all the same */
     bool lever_full;    /* lever arm R instead of R - overlap/2 (to reproduce other codes) */
     bool frozen;        /* no integrator of motion: bodies do not move */
 };

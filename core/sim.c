@@ -37,13 +37,15 @@ static int first_forces(struct calx_sim *s, struct calx_error *e)
     s->stage_began = false;
     struct calx_pass pass = {.conduct = s->plan->conductance != NULL, .stage = -1};
     CALX_TRY(calx_step_forces(s, &pass, e));
+    CALX_TRY(calx_pace_begin(s, e));
     double power = 0.0;
     for (size_t b = 0; b < s->block_count; b++)
         power += s->tallies[b].wall_power;
-    s->wall_work = 0.5 * power * s->plan->dt; /* the force at t = 0 acts for half a step */
+    s->wall_work = 0.5 * power * s->dt; /* the force at t = 0 acts for half a step */
     CALX_TRY(calx_motion_start(s, e));
     calx_ledger_begin(s);
     calx_measure_begin_stage(s, 0);
+    calx_guard_begin(s);
     return calx_guard_step(s, e);
 }
 
@@ -147,7 +149,7 @@ size_t calx_sim_contact_count(const struct calx_sim *s)
 
 double calx_sim_dt(const struct calx_sim *s)
 {
-    return s->plan->dt;
+    return s->dt;
 }
 
 int calx_sim_stage(const struct calx_sim *s)

@@ -63,9 +63,11 @@ struct calx_plan {
     double gap;
     double dt;
     double critical_dt;       /* s; infinite without contact laws */
+    double shortest;          /* s: half a period of the stiffest single contact to be expected */
     char critical_text[256];  /* which contact sets it */
-    int64_t heat_every;       /* steps of motion per heat step */
+    int64_t heat_every;       /* steps of motion per heat step, at dt */
     double heat_dt;
+    bool adapts;              /* dt is the longest that is taken: the step follows the contacts */
     bool cohesion;            /* the Coulomb limit differs from fn */
     bool global_heat;
 };
@@ -164,6 +166,14 @@ struct calx_sim {
     double lag;                 /* s: of the evaluation under way, velocities are those of so long before; 0 in between */
     bool trial;                 /* the evaluation under way leaves history and books as they are; false in between */
     double memory[CALX_MEMORY]; /* of a global integrator */
+    double dt, heat_dt;         /* s, the steps now */
+    int64_t heat_every;
+    double pace_time;           /* s: when steps of this length began, */
+    int64_t pace_step;          /* and the step of the stage then */
+    int64_t pace_level;         /* on the ladder of steps, 0: the plan's */
+    int64_t pace_due;           /* step after which the step must be chosen again, -1: none */
+    double pace_overlap;        /* of the smaller radius: the deepest when it was chosen */
+    double checked;             /* s: when the stage's condition was looked at */
     double held;                /* s: for how long the stage's condition holds */
     int64_t step, stage_step;
     int stage;
@@ -222,6 +232,11 @@ struct calx_sim {
     double wall_power;                               /* W, at the last force evaluation */
     long double energy0, heat0;
     double potential0, scale, heat_scale;
+
+    /* guards */
+    double coldest, hottest;    /* K: of the start, and of the walls since then */
+    double overlap_seen;        /* of the smaller radius: the deepest when contacts were last looked at */
+    int64_t contacts_seen;      /* and how many there were */
 
     /* timing; NULL while it is off */
     struct calx_clock *clocks;
@@ -299,6 +314,23 @@ double calx_plan_material_value(const struct calx_scene *, size_t material, cons
 /* critical.c: the largest stable step of a plan, from the stiffest pair of bodies. */
 int calx_critical_step(struct calx_sim *, struct calx_plan *, struct calx_error *);
 
+/* The fastest approach to expect, m/s: the fastest bodies, and a fall through the scene. */
+double calx_critical_speed(const struct calx_scene *);
+
+/* pace.c: the step of the run. */
+void calx_pace_begin_stage(struct calx_sim *, const struct calx_plan *before); /* time and plan are those of the stage */
+int calx_pace_begin(struct calx_sim *, struct calx_error *); /* refuses a fixed step above the limit of the contacts at the start */
+void calx_pace_resume(struct calx_sim *); /* a fixed step that the case has changed since the restart point */
+void calx_pace_watch(struct calx_sim *);  /* in each step: notes that contacts may have become stiffer */
+int calx_pace_step(struct calx_sim *, struct calx_error *); /* when nobody has gone ahead */
+/* Whether the step follows the contacts closely enough that each is resolved by so many steps. */
+bool calx_pace_resolves(const struct calx_plan *, double steps);
+/* Time since the stage began after so many more steps, s. */
+static inline double calx_pace_elapsed(const struct calx_sim *s, int64_t steps)
+{
+    return (s->pace_time - s->stage_start) + (double)(s->stage_step - s->pace_step + steps) * s->dt;
+}
+
 /* particles.c: mass, moment of inertia and heat capacity of a body. */
 double calx_particle_mass(const struct calx_scene *, double radius, double density);
 double calx_particle_inertia_factor(const struct calx_scene *); /* I = factor m R^2 */
@@ -327,6 +359,8 @@ void calx_surface_nearest(const struct calx_primitive *, uint32_t dimension, con
 
 /* heat.c */
 int calx_heat_step(struct calx_sim *, struct calx_error *); /* after the forces of step s->stage_step: what is not done block by block */
+/* The step beyond which explicit temperatures overshoot, min C/sum H, and whose it is (-1: nobody's, infinite). */
+int calx_heat_limit(struct calx_sim *, double *limit, int64_t *id, struct calx_error *);
 int calx_heat_check(struct calx_sim *, struct calx_error *); /* fails if the heat step is unstable: max sum H/C, Gershgorin */
 
 /* ledger.c */
@@ -335,8 +369,12 @@ void calx_ledger_step(struct calx_sim *, double dt);
 double calx_ledger_mechanical(struct calx_sim *); /* kinetic + rotational + elastic + potential now, J */
 
 /* guard.c */
+/* What the state at t = 0 allows. */
+void calx_guard_begin(struct calx_sim *);
 int calx_guard_step(struct calx_sim *, struct calx_error *);
-int calx_guard_finite(const struct calx_sim *, struct calx_error *); /* accelerations of the last evaluation */
+int calx_guard_finite(struct calx_sim *, struct calx_error *); /* accelerations of the last evaluation */
+/* The dearer ones: energy, temperatures, finite rows, how well contacts are resolved. */
+int calx_guard_all(struct calx_sim *, struct calx_error *);
 int calx_guard_left(const struct calx_sim *, int32_t row, int axis, struct calx_error *);
 
 /* step.c */

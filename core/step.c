@@ -129,7 +129,7 @@ void calx_step_set_gravity(struct calx_sim *s, double t)
 struct calx_pass calx_step_end_pass(const struct calx_sim *s, double dt, int stage, bool ahead)
 {
     const struct calx_plan *p = s->plan;
-    bool due = (s->stage_step + 1) % p->heat_every == 0, staged = p->heat_law && !p->global_heat;
+    bool due = (s->stage_step + 1 - s->pace_step) % s->heat_every == 0, staged = p->heat_law && !p->global_heat;
     return (struct calx_pass){.dt = dt, .conduct = p->conductance && due, .stage = stage, .ahead = ahead,
                               .warm = staged && due, .store = p->heat_law && !due && s->scene->from_dissipation > 0.0};
 }
@@ -138,7 +138,7 @@ struct calx_pass calx_step_end_pass(const struct calx_sim *s, double dt, int sta
 static int advance_frozen(struct calx_sim *s, double t, struct calx_error *e)
 {
     calx_step_set_gravity(s, t);
-    calx_walls_move(s, t, s->plan->dt);
+    calx_walls_move(s, t, s->dt);
     s->dt_now = 0.0;
     struct calx_pass pass = calx_step_end_pass(s, 0.0, -1, false);
     return calx_step_forces(s, &pass, e);
@@ -153,16 +153,17 @@ static bool condition_holds(struct calx_sim *s)
     memcpy(probe.quantity, stage->condition, sizeof probe.quantity);
     double v = calx_sim_measure(s, &probe);
     bool holds = stage->relation == CALX_BELOW ? v < stage->bound : v > stage->bound;
-    s->held = holds ? s->held + 64.0 * s->plan->dt : 0.0;
+    s->held = holds ? s->held + (s->time - s->checked) : 0.0;
+    s->checked = s->time;
     return holds && s->held > stage->hold;
 }
 
 static int end_stage(struct calx_sim *s, struct calx_error *e)
 {
     const struct calx_stage_spec *stage = &s->scene->stages[s->stage];
-    double rounding = 1e-9 * s->plan->dt;
+    double rounding = 1e-9 * s->dt;
     s->stage_began = false;
-    if (s->time - s->stage_start < stage->duration - rounding - 0.5 * s->plan->dt && !condition_holds(s))
+    if (s->time - s->stage_start < stage->duration - rounding - 0.5 * s->dt && !condition_holds(s))
         return 0;
     s->stage_began = true;
     if ((size_t)s->stage + 1 == s->scene->stage_count) {
@@ -194,16 +195,18 @@ static int change_models(struct calx_sim *s, const struct calx_plan *plan, struc
 
 int calx_step_begin_stage(struct calx_sim *s, int stage, struct calx_error *e)
 {
-    const struct calx_plan *plan = &s->plans[s->scene->stages[stage].models];
+    const struct calx_plan *plan = &s->plans[s->scene->stages[stage].models], *before = s->plan;
     s->stage = stage;
     s->stage_step = 0;
     s->stage_start = s->time;
     s->held = 0.0;
+    s->checked = s->time;
     calx_walls_begin_stage(s);
     calx_step_set_gravity(s, s->time);
     if (plan != s->plan && s->built)
         CALX_TRY(change_models(s, plan, e));
     s->plan = plan;
+    calx_pace_begin_stage(s, before);
     if (stage > 0)
         calx_measure_begin_stage(s, stage);
     return 0;
@@ -211,7 +214,7 @@ int calx_step_begin_stage(struct calx_sim *s, int stage, struct calx_error *e)
 
 static int step(struct calx_sim *s, bool ahead, struct calx_error *e)
 {
-    double t = s->stage_start + (double)(s->stage_step + 1) * s->plan->dt;
+    double t = s->pace_time + (double)(s->stage_step + 1 - s->pace_step) * s->dt;
     s->wall_step = s->moved = 0.0;
     CALX_TRY(s->plan->motion ? calx_motion_step(s, t, ahead, e) : advance_frozen(s, t, e));
     s->step++;
@@ -221,6 +224,9 @@ static int step(struct calx_sim *s, bool ahead, struct calx_error *e)
     calx_timing_restart(clock);
     CALX_TRY(calx_heat_step(s, e));
     calx_timing_lap(clock, CALX_PHASE_HEAT);
+    calx_pace_watch(s);
+    if (!ahead)
+        CALX_TRY(calx_pace_step(s, e));
     CALX_TRY(calx_guard_step(s, e));
     calx_timing_lap(clock, CALX_PHASE_OTHER);
     return end_stage(s, e);
@@ -235,8 +241,7 @@ int calx_sim_step(struct calx_sim *s, struct calx_error *e)
 static bool looked_at(const struct calx_sim *s, int64_t steps)
 {
     const struct calx_stage_spec *stage = &s->scene->stages[s->stage];
-    double end = (double)(s->stage_step + steps) * s->plan->dt;
-    return end >= stage->duration - 0.75 * s->plan->dt || (s->step + steps) % CALX_SELDOM == 0 ||
+    return calx_pace_elapsed(s, steps) >= stage->duration - 0.75 * s->dt || (s->step + steps) % CALX_SELDOM == 0 ||
            (stage->condition[0] && (s->stage_step + steps) % 64 == 0);
 }
 
@@ -244,7 +249,7 @@ int calx_sim_advance(struct calx_sim *s, int64_t steps, int64_t *made, struct ca
 {
     bool one_stage = s->plan->motion_law && s->plan->motion_law->stages == 1;
     for (*made = 0; *made < steps && !s->done && !looked_at(s, 1); ++*made) {
-        bool last = *made + 1 == steps || looked_at(s, 2);
+        bool last = *made + 1 == steps || s->pace_due >= 0 || looked_at(s, 2);
         CALX_TRY(step(s, one_stage && !last, e));
     }
     return 0;

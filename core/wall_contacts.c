@@ -206,7 +206,7 @@ static void add_lane(struct wall_batch *w, size_t lane)
     if (w->conduct)
         add_conduction(w, lane);
     if (s->features.temperature && s->scene->from_dissipation > 0.0 && w->dt > 0.0 && !s->trial) {
-        a[7] += w->share[lane] * c->work[lane] / (w->conduct ? s->plan->heat_dt : w->dt);
+        a[7] += w->share[lane] * c->work[lane] / (w->conduct ? s->heat_dt : w->dt);
         w->tally->wall_heat_lost += (s->scene->from_dissipation - w->share[lane]) * c->work[lane];
     }
     w->tally->work += c->work[lane];

@@ -116,8 +116,38 @@ static const char *read_of(struct calx_reader *r, const xmlNode *node, struct ca
     return measure ? measure->unit : NULL;
 }
 
+/* Whether the element expects a refusal, which takes nothing else but where that is known from. */
+static bool read_refusal(struct calx_reader *r, const xmlNode *node)
+{
+    const char *text = calx_case_given(node, "refusal"), *of = calx_case_given(node, "of");
+    if (!text && !of)
+        calx_case_fail(
+            r, node, NULL,
+            "needs 'of' (what must come out) or 'refusal' (the message it must be refused with)");
+    if (!text)
+        return false;
+    for (const xmlAttr *a = node->properties; a; a = a->next)
+        if (strcmp((const char *)a->name, "refusal") != 0 &&
+            strcmp((const char *)a->name, "source") != 0)
+            calx_case_fail(r, node, (const char *)a->name, "does not go together with 'refusal'");
+    if (!*text)
+        calx_case_fail(r, node, "refusal", "is empty, expected a part of the message");
+    if (r->scene->expect_count)
+        calx_case_fail(
+            r, node, "refusal",
+            "the case expects results too; it can be refused or come to its end, not both");
+    calx_problems_expect(r->problems, text);
+    return true;
+}
+
 static void read_expect(struct calx_reader *r, const xmlNode *node)
 {
+    if (read_refusal(r, node))
+        return;
+    if (r->problems->refusal_count)
+        calx_case_fail(
+            r, node, NULL,
+            "the case expects to be refused; it can be refused or come to its end, not both");
     struct calx_expect *expect =
         calx_case_append(r, &r->scene->expects, &r->scene->expect_count, sizeof *r->scene->expects);
     if (!expect)

@@ -292,7 +292,13 @@ static void read_integrator(struct calx_reader *r, const xmlNode *node, struct c
         models->heat_dt = step_of(r, node);
         if (calx_case_given(node, "dt-fraction"))
             calx_case_fail(r, node, "dt-fraction", "is for integrators of motion only");
+        if (calx_case_given(node, "force"))
+            calx_case_fail(r, node, "force", "is for integrators of motion only");
+        if (calx_case_given(node, "safety"))
+            calx_case_fail(r, node, "safety", "is for integrators of motion only");
     } else {
+        models->safety = calx_case_number(r, node, "safety");
+        models->forced = calx_case_yes(r, node, "force");
         models->dt = step_of(r, node);
         models->dt_fraction = calx_case_number(r, node, "dt-fraction");
         models->frozen = false;

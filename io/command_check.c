@@ -94,6 +94,7 @@ static int check_case(const struct calx_arguments *a)
     const struct calx_run_options options = {
         .case_path = a->operands[0],
         .threads = a->threads,
+        .force = a->force,
         .settings = a->settings,
         .setting_count = a->setting_count,
     };
@@ -107,8 +108,9 @@ static int check_case(const struct calx_arguments *a)
     return status;
 }
 
-#define OPTIONS 2
-static const struct calx_option *const used[OPTIONS] = {&calx_option_set, &calx_option_threads};
+#define OPTIONS 3
+static const struct calx_option *const used[OPTIONS] = {&calx_option_set, &calx_option_threads,
+                                                     &calx_option_force};
 
 const struct calx_command calx_command_check = {
     "check",

@@ -59,7 +59,7 @@ static void print_how_to_resume(const struct calx_run *run, const struct calx_ar
         fprintf(stderr, " --out ");
         print_word(a->out, stderr);
     }
-    fprintf(stderr, " --resume\n");
+    fprintf(stderr, "%s --resume\n", a->force ? " --force" : "");
 }
 
 static void print_end(const struct calx_run *run)
@@ -97,6 +97,7 @@ static int run_case(const struct calx_arguments *a)
         .out = a->out,
         .files = true,
         .resume = a->resume,
+        .force = a->force,
         .threads = a->threads,
         .progress = a->quiet ? NULL : stderr,
         .settings = a->settings,
@@ -114,10 +115,10 @@ static int run_case(const struct calx_arguments *a)
     return status;
 }
 
-#define OPTIONS 5
+#define OPTIONS 6
 static const struct calx_option *const used[OPTIONS] = {
     &calx_option_set,    &calx_option_out,   &calx_option_threads,
-    &calx_option_resume, &calx_option_quiet,
+    &calx_option_resume, &calx_option_quiet, &calx_option_force,
 };
 
 const struct calx_command calx_command_run = {

@@ -5,6 +5,8 @@
  * anything failed, 2 if a case cannot be read.
  */
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "io/commands.h"
 #include "io/run.h"
@@ -23,6 +25,45 @@ static void count_verdicts(struct score *score, const struct calx_run *run)
         score->status = calx_error_exit(CALX_ERROR_PHYSICS);
 }
 
+static void print_refusal(const struct calx_run *run, const char *part, bool passed)
+{
+    printf("%-22s %-34s %14s %14s %10s %10s  %-7s %s\n", run->name, "refusal", "", "", "", "text",
+           passed ? "passed" : "FAILED", part);
+}
+
+/* The case expects to be refused: each part of the message counts as one expectation. */
+static void judge_refusal(struct score *score, const struct calx_run *run, int code,
+                          const char *said)
+{
+    for (size_t i = 0; i < run->problems.refusal_count; ++i) {
+        bool passed = code != CALX_OK && strstr(said, run->problems.refusals[i]);
+        print_refusal(run, run->problems.refusals[i], passed);
+        score->passed += passed;
+        score->failed += !passed;
+        if (!passed && score->status == 0)
+            score->status = calx_error_exit(CALX_ERROR_PHYSICS);
+    }
+    if (code == CALX_OK)
+        printf("%-22s was not refused\n", run->name);
+}
+
+static void judge_results(struct score *score, const struct calx_run *run)
+{
+    calx_verify_print(run->verify, run->name, stdout);
+    if (calx_verify_count(run->verify) == 0)
+        printf("%-22s expects nothing\n", run->name);
+    count_verdicts(score, run);
+}
+
+static void report_failure(struct score *score, const struct calx_run *run, const char *path,
+                           const struct calx_error *error)
+{
+    int status = calx_options_report(error);
+    printf("%-22s FAILED: did not come to its end\n", run->name ? run->name : path);
+    score->failed += 1;
+    score->status = status > score->status ? status : score->status;
+}
+
 static void verify_case(struct score *score, const char *path, const struct calx_arguments *a)
 {
     const struct calx_run_options options = {
@@ -32,21 +73,26 @@ static void verify_case(struct score *score, const char *path, const struct calx
         .setting_count = a->setting_count,
     };
     struct calx_run run;
-    struct calx_error error;
-    int code = calx_run_open(&run, &options, stderr, &error);
+    struct calx_error error = {0};
+    char *said = NULL;
+    size_t size = 0;
+    FILE *messages = open_memstream(&said, &size);
+    int code = calx_run_open(&run, &options, messages ? messages : stderr, &error);
     if (code == CALX_OK)
         code = calx_run_go(&run, &error);
-    if (code == CALX_OK) {
-        calx_verify_print(run.verify, run.name, stdout);
-        if (calx_verify_count(run.verify) == 0)
-            printf("%-22s expects nothing\n", run.name);
-        count_verdicts(score, &run);
+    if (messages)
+        fprintf(messages, "%s", error.text);
+    if (messages && fclose(messages) == 0 && run.problems.refusal_count) {
+        judge_refusal(score, &run, code, said);
     } else {
-        int status = calx_options_report(&error);
-        printf("%-22s FAILED: did not come to its end\n", run.name ? run.name : path);
-        score->failed += 1;
-        score->status = status > score->status ? status : score->status;
+        if (size > strlen(error.text)) /* mistakes and warnings; the error follows by itself */
+            fprintf(stderr, "%.*s", (int)(size - strlen(error.text)), said);
+        if (code == CALX_OK)
+            judge_results(score, &run);
+        else
+            report_failure(score, &run, path, &error);
     }
+    free(said);
     fflush(stdout);
     calx_run_close(&run);
 }
@@ -70,7 +116,7 @@ const struct calx_command calx_command_verify = {
     "CASE... [options]",
     "run cases and compare with what they expect",
     "Writes no files. An expectation is judged at the instants of the CSV, at its own time, or at "
-    "the end.\n\n"
+    "the end. A case may expect to be refused with a message.\n\n"
     "examples:\n"
     "  calx verify cases/04-two-spheres\n"
     "  calx verify cases/0*\n",

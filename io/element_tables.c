@@ -69,9 +69,14 @@ static const struct calx_attribute integrator_attributes[] = {
     {"plugin", NAME, NULL, NULL, NULL, NEEDED, "name of an integrator; `calx plugins` lists them"},
     {"of", WORD, NULL, "motion|temperature", "motion", NO_RANGE, "what it advances in time"},
     {"dt", CALX_FORM_AUTO, "s", NULL, "auto", POSITIVE,
-     "time step; auto: a share of the critical step"},
+     "time step; auto: a share of the critical step, shorter while the contacts ask for it"},
     {"dt-fraction", QUANTITY, "1", NULL, "0.1", 0, 1, CALX_ATTRIBUTE_OPEN_MIN,
      "share of the critical step, when dt is auto"},
+    {"safety", QUANTITY, "1", NULL, "0.5", 0, 1, CALX_ATTRIBUTE_OPEN_MIN,
+     "share of the stability limit of all contacts there are that the step keeps to, when dt is "
+     "auto"},
+    {"force", SWITCH, NULL, NULL, "no", NO_RANGE,
+     "yes: of motion, run with a step that is too long to be stable or to resolve contacts"},
 };
 static const struct calx_element integrator = {
     "integrator", "integrator",
@@ -175,7 +180,8 @@ static const struct calx_attribute stage_attributes[] = {
      "its end: a time of the run, or a condition as in \"kinetic-energy &lt; 1e-9 J\" (in XML, `<` "
      "is written `&lt;`)"},
     {"hold", QUANTITY, "s", NULL, "0", NOT_NEGATIVE,
-     "how long the condition must hold without a break: a bouncing bed has moments of little energy"},
+     "how long the condition must hold without a break: a bouncing bed has moments of little "
+     "energy"},
     {"at-most", QUANTITY, "s", NULL, NULL, POSITIVE,
      "its length if the condition does not come true before"},
 };
@@ -225,8 +231,11 @@ static const struct calx_element probe = {"probe", "probe", "A column of the CSV
                                           ATTRIBUTES(probe_attributes)};
 
 static const struct calx_attribute expect_attributes[] = {
-    {"of", NAME, NULL, NULL, NULL, NEEDED,
+    {"of", NAME, NULL, NULL, NULL, NO_RANGE,
      "a probe, a column of the CSV or a quantity of the whole scene"},
+    {"refusal", TEXT, NULL, NULL, NULL, NO_RANGE,
+     "instead of `of`: the case must be refused, or its run must stop, with a message that has "
+     "this text in it"},
     {"at", TEXT, NULL, NULL, NULL, NO_RANGE, "`end` (the default) or a time"},
     {"always", RESULT, NULL, "t", NULL, NO_RANGE,
      "the value at every line of the CSV, or yes with above or below"},

@@ -114,6 +114,13 @@ static int set_resume(struct calx_arguments *a, const char *value, struct calx_e
     return CALX_OK;
 }
 
+static int set_force(struct calx_arguments *a, const char *value, struct calx_error *error)
+{
+    (void)value, (void)error;
+    a->force = true;
+    return CALX_OK;
+}
+
 static int set_quiet(struct calx_arguments *a, const char *value, struct calx_error *error)
 {
     (void)value, (void)error;
@@ -149,6 +156,9 @@ const struct calx_option calx_option_threads = {
     "--threads", "N", "threads to use (all cores); the result is the same", set_threads};
 const struct calx_option calx_option_resume = {
     "--resume", NULL, "go on from the restart point in the output folder", set_resume};
+const struct calx_option calx_option_force = {
+    "--force", NULL, "run even with a step too long to be stable or to resolve contacts",
+    set_force};
 const struct calx_option calx_option_quiet = {"--quiet", NULL, "no progress and no summary",
                                               set_quiet};
 const struct calx_option calx_option_check = {

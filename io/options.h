@@ -22,7 +22,7 @@ struct calx_arguments {
     size_t thread_count;
     int thread_list[CALX_OPTIONS_THREADS]; /* of --threads 1,2 */
     int64_t steps, warm;                   /* 0 and -1: not given */
-    bool resume, quiet, reference, json, help;
+    bool force, resume, quiet, reference, json, help;
     size_t setting_count;
     struct calx_setting *settings; /* owned; the paths are copies */
     size_t operand_count;
@@ -46,7 +46,7 @@ struct calx_command {
 
 /* The options that commands share. */
 extern const struct calx_option calx_option_set, calx_option_out, calx_option_threads,
-    calx_option_resume, calx_option_quiet, calx_option_check, calx_option_reference,
+    calx_option_resume, calx_option_quiet, calx_option_force, calx_option_check, calx_option_reference,
     calx_option_thread_list, calx_option_steps, calx_option_warm, calx_option_json;
 
 /* Fills *arguments from argv[1..]. CALX_ERROR_INPUT for what the command does not know, with the

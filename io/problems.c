@@ -71,6 +71,16 @@ void calx_problems_warn(struct calx_problems *problems, struct calx_place place,
         keep(&problems->warnings, &problems->warning_count, &e);
 }
 
+void calx_problems_expect(struct calx_problems *problems, const char *part)
+{
+    char **grown = realloc(problems->refusals, (problems->refusal_count + 1) * sizeof *grown);
+    char *copy = grown ? strdup(part) : NULL;
+    if (grown)
+        problems->refusals = grown;
+    if (copy)
+        problems->refusals[problems->refusal_count++] = copy;
+}
+
 /* By insertion: the list is short, and mistakes of one line keep their order. */
 void calx_problems_sort(struct calx_problems *problems)
 {
@@ -109,6 +119,9 @@ void calx_problems_print(const struct calx_problems *problems, FILE *out)
 
 void calx_problems_clear(struct calx_problems *problems)
 {
+    for (size_t k = 0; k < problems->refusal_count; k++)
+        free(problems->refusals[k]);
+    free(problems->refusals);
     free(problems->list);
     free(problems->warnings);
     *problems = (struct calx_problems){0};

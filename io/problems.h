@@ -22,6 +22,9 @@ struct calx_problems {
     struct calx_error *list; /* the first `kept` */
     size_t warning_count;
     struct calx_error *warnings;
+    size_t refusal_count; /* what the file itself says must be refused, each a part of the text;
+                             known even if it is */
+    char **refusals;
 };
 
 /* Adds a mistake (or a warning) unless the same one is there already. place.file may be NULL,
@@ -33,6 +36,9 @@ void calx_problems_warn(struct calx_problems *, struct calx_place, const char *f
 
 /* Adds an error that already has a text and perhaps a place. */
 void calx_problems_add_error(struct calx_problems *, const struct calx_error *);
+
+/* Notes that the file expects to be refused with a text that has `part` in it. */
+void calx_problems_expect(struct calx_problems *, const char *part);
 
 /* Orders mistakes by line; those without a place first. */
 void calx_problems_sort(struct calx_problems *);

@@ -236,8 +236,8 @@ static bool asked_to_stop(const struct calx_run *run)
     return run->options.stop && *run->options.stop;
 }
 
-/* Steps after which nothing is due are made without a look at the state in between, which is faster. Few at a time, so that
- * the terminal and Ctrl-C do not wait. */
+/* Steps after which nothing is due are made without a look at the state in between, which is
+ * faster. Few at a time, so that the terminal and Ctrl-C do not wait. */
 static int pass_quiet_steps(struct calx_run *run, struct calx_error *error)
 {
     enum { MOST = 64 };
@@ -261,6 +261,8 @@ static int step_to_the_end(struct calx_run *run, struct calx_error *error)
         if (calx_sim_step(run->sim, error) != CALX_OK)
             return fail(run, error);
         unsigned due = what_is_due(run, before, calx_sim_time(run->sim), stage);
+        if ((due & FRAME) && calx_sim_guard(run->sim, error) != CALX_OK) /* what is kept is sound */
+            return fail(run, error);
         run->interrupted = asked_to_stop(run) && !calx_sim_done(run->sim);
         if (run->interrupted && !(due & FRAME)) { /* not on schedule: dropped again when resumed */
             if (due & (ROW | JUDGE))

@@ -20,6 +20,7 @@ struct calx_run_options {
     const char *out;       /* folder; NULL: results/NAME */
     bool files;            /* write output */
     bool resume;
+    bool force;     /* steps that are too long are taken all the same */
     int threads;    /* 0: all cores */
     FILE *progress; /* NULL: silent */
     const struct calx_setting *settings;

@@ -157,6 +157,8 @@ static int read_case(struct calx_run *run, FILE *messages, struct calx_error *er
     if (!run->scene)
         return calx_error_set(error, CALX_ERROR_INPUT, "%zu mistake%s in %s", run->problems.count,
                               run->problems.count == 1 ? "" : "s", run->file);
+    for (size_t i = 0; i < run->scene->models_count; ++i)
+        run->scene->models[i].forced |= o->force;
     return CALX_OK;
 }
 

@@ -44,6 +44,7 @@ static const struct calx_motion_integrator law = {
     .stages = 1,
     .stability = 0.5057,
     .damping = 1,
+    .constant_step = 1,
     .extra_translation = 2,
     .extra_rotation = 1,
     .extra = extra,

@@ -217,6 +217,7 @@ static const struct calx_motion_integrator law = {
     .start = SWEEPS * NODES,
     .stability = 0.875,
     .damping = 0.1629,
+    .constant_step = 1,
     .extra_translation = MOST,
     .extra_rotation = MOST,
     .extra = extra,

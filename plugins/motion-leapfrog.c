@@ -57,6 +57,7 @@ static const struct calx_motion_integrator law = {
     .drifts = 1,
     .stability = 2,
     .damping = 2,
+    .constant_step = 1,
     .velocity_lag = 0.5,
     .extra_translation = 1,
     .extra_rotation = 1,

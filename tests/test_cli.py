@@ -161,6 +161,34 @@ class Cases(InFolder):
         self.assertEqual(done.returncode, 2)
         self.assertEqual(os.listdir(self.folder), [])
 
+    def test_a_case_may_expect_to_be_refused(self):
+        """By the reader, by the engine before the first step, or by a guard during the run; not by anything else."""
+        inside = ('<material name="m" density="1000"/><contact plugin="linear" stiffness="{k}"/><integrator plugin="velocity-verlet"/>'
+                  '<particles material="m" radius="0.01"><particle at="0 0 0"/><particle at="{x} 0 0" velocity="-5 0 0"/></particles>'
+                  '<stage for="20 ms"/>')
+        deep, fine = "overlaps particle 1", 'refusal="overlaps particle"'
+        for k, x, expects, passed, failed in (
+                ("1e5", "0.01", f'<expect refusal="{deep}"/><expect refusal="start without overlap"/>', 2, 0),
+                ("1e2", "0.03", f'<expect refusal="{deep}"/><expect refusal="at t = 0 s"/>', 1, 1),
+                ("-1", "0.03", '<expect refusal="stiffness"/>', 1, 0),
+                ("1e5", "0.03", f"<expect {fine}/>", 0, 1)):
+            with self.subTest(k=k, x=x):
+                with open(self.path("c.xml"), "w", encoding="ascii") as file:
+                    file.write(f"<case>{inside.format(k=k, x=x)}{expects}</case>")
+                done = calx("verify", "c.xml", cwd=self.folder)
+                self.assertEqual(done.returncode, 1 if failed else 0, done.stdout + done.stderr)
+                self.assertIn(f"{passed} expectations passed, {failed} failed", done.stdout)
+                self.assertEqual("was not refused" in done.stdout, (k, x) == ("1e5", "0.03"))
+                self.assertNotEqual(calx("run", "c.xml", "--quiet", cwd=self.folder).returncode == 0, (k, x) != ("1e5", "0.03"))
+
+    def test_force(self):
+        words = [os.path.join(ROOT, "cases", "extreme", "06-step-1.01.xml"), "--set", "stage[1]/for=0.1 s", "--out", self.path("o")]
+        done = calx("run", *words)
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn("above the stability limit", done.stderr)
+        done = calx("run", *words, "--force", "--set", "particles/particle/velocity=0 0 0")
+        self.assertEqual(done.returncode, 0, done.stderr)
+
     def test_set_changes_the_case(self):
         done = calx("run", CASE, "--set", "stage[turn]/for=5 ms", "--set", "stage[settle]/for=10 ms", "--out", self.path("o"))
         self.assertEqual(done.returncode, 0, done.stderr)

@@ -192,6 +192,7 @@ START_TEST(nothing_passes_a_thin_wall)
                 struct calx_scene *s = scene_create(2, CALX_SPHERES, 1);
                 double mass = calx_particle_mass(s, RADIUS, 1000.0);
                 scene_linear(s, mass * pow(0.5 / dt, 2), NAN, -1.0, dt);
+                s->models[0].forced = true; /* a contact lasts 2 pi steps */
                 scene_put(s, 0, 0.0, 3.1 * RADIUS + 0.125 * phase * speed * dt, 0.0, RADIUS);
                 int w = scene_wall(s, "blade", 0);
                 scene_segment(s, w, -1.0, 0.0, 1.0, 0.0, 0);
