@@ -34,7 +34,7 @@ static const struct calx_stage translation[] = {{.before = move}}, rotation[] = 
 static const char *const extra[] = {"step"};
 
 static const struct calx_motion_integrator law = {
-    .order = 1, .stages = 1, .stability = 2, .velocity_lag = 0.5, .constant_step = 1, .extra_translation = 1, .extra = extra,
+    .order = 1, .stages = 1, .stability = 2, .constant_step = 1, .extra_translation = 1, .extra = extra,
     .translation = translation, .rotation = rotation,
 };
 
