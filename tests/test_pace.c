@@ -212,9 +212,35 @@ START_TEST(the_bits_are_the_same)
 }
 END_TEST
 
+/* A fixed step that the case changes between a stop and a resume holds from there on; time goes on.
+ */
+START_TEST(a_resumed_run_may_have_another_step)
+{
+    static const double steps[] = {1e-6, 2.5e-7};
+    struct calx_error e = {0};
+    struct calx_block *blocks;
+    size_t count;
+    struct run r[2];
+    for (int k = 0; k < 2; k++) {
+        struct calx_scene *s = press("velocity-verlet", NULL);
+        s->models[0].dt = steps[k];
+        r[k] = run_start(s, 1);
+    }
+    run_steps(&r[0], 40);
+    ck_assert_int_eq(calx_sim_save(r[0].sim, &blocks, &count, &e), 0);
+    ck_assert_msg(calx_sim_restore(r[1].sim, blocks, count, &e) == 0, "%s", e.text);
+    free(blocks);
+    run_steps(&r[1], 4);
+    ck_assert_double_eq_tol(calx_sim_time(r[1].sim), 41e-6, 1e-18);
+    ck_assert_double_eq(calx_sim_dt(r[1].sim), steps[1]);
+    run_free(&r[0]);
+    run_free(&r[1]);
+}
+END_TEST
+
 int main(void)
 {
     const TTest *tests[] = {the_step_follows_the_contacts, a_constant_step_stays,
-                            the_bits_are_the_same};
+                            the_bits_are_the_same, a_resumed_run_may_have_another_step};
     return run_tests("pace", sizeof tests / sizeof *tests, tests);
 }
