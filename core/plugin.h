@@ -264,9 +264,9 @@ struct calx_motion_integrator {
     /* Stages that come first in the tables and are gone through once, before the first step (and when models change): trials, which
      * leave positions and velocities as they were (to round-off) and what they found in extra. */
     uint32_t start;
-    /* Largest omega*dt at which the energy of an undamped oscillator does not double within a period (a contact lasts half of one), and largest
-     * c/m*dt of a damper alone that brings a body to rest. With a fraction z of critical damping sqrt(1 + y^2) - y times
-     * `stability` is safe, y = z*stability/damping. Of a global integrator: of its longest step. */
+    /* Largest omega*dt at which the energy of an undamped oscillator does not double within a period (a contact lasts half of
+     * one), and largest c/m*dt of a damper alone that brings a body to rest. With a fraction z of critical damping
+     * sqrt(1 + y^2) - y times `stability` is safe, y = z*stability/damping. Of a global integrator: of its longest step. */
     double stability, damping;
     double velocity_lag;     /* at a force evaluation velocities are those of lag*dt before the positions; not changed by prepare
                               * when setup.uses_velocity is */

@@ -141,9 +141,13 @@ static void print_conductance(FILE *out, const void *law)
 static void print_motion(FILE *out, const void *law)
 {
     const struct calx_motion_integrator *l = law;
-    fprintf(
-        out, "  accuracy   order %u, %u force evaluation%s per step, stable for omega dt < %g%s\n",
-        l->order, l->stages, plural(l->stages), l->stability, l->reversible ? ", reversible" : "");
+    fprintf(out, "  accuracy   order %u, ", l->order);
+    if (l->stages)
+        fprintf(out, "%u force evaluation%s per step", l->stages, plural(l->stages));
+    else
+        fprintf(out, "sub-steps of its own");
+    fprintf(out, ", stable for omega dt < %g, c/m dt < %g%s%s\n", l->stability, l->damping,
+            l->reversible ? ", reversible" : "", l->symplectic ? ", symplectic" : "");
 }
 
 static void print_temperature(FILE *out, const void *law)

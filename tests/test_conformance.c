@@ -215,7 +215,10 @@ static const struct {
      {"spring-and-damper or spring", "spring-and-damper if not given",
       "tangential velocity, rotation"}},
     {"verlet", 0, {"order 2, 1 force evaluation per step", "reversible", "no parameters"}},
+    {"cash-karp", 0, {"order 5, sub-steps of its own", "1e-08 if not given"}},
+    {"gear", 0, {"order 5, 1 force evaluation per step", "3 or 4 or 5", "Allen and Tildesley"}},
     {"heat-theta", 0, {"stable for any step", "0.5 if not given"}},
+    {"heat-exponential", 0, {"exact while the network stays, stable for any step"}},
     {"heat-euler", 0, {"stable for lambda dt < 2"}},
 };
 
