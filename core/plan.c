@@ -270,7 +270,7 @@ static int choose_step(struct calx_sim *s, struct calx_plan *p, struct calx_erro
     if (!(p->dt > 0.0) || !isfinite(p->dt))
         return calx_error_set(e, CALX_ERROR_INPUT,
             "no time step: nothing in the case sets one (no stiff contact); give dt on <integrator>");
-    if (!m->frozen && p->dt > p->critical_dt)
+    if (!m->frozen && !m->forced && p->dt > p->critical_dt)
         return calx_error_set(e, CALX_ERROR_INPUT,
             "dt = %g s is above the stability limit %g s, set by %s: use dt=\"%.2g s\" (a twentieth of it) or dt=\"auto\"",
             p->dt, p->critical_dt, p->critical_text, 0.05 * p->critical_dt);

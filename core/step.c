@@ -63,6 +63,7 @@ int calx_step_forces(struct calx_sim *s, double dt, bool conduct, int stage, boo
     if (calx_neighbours_stale(s))
         CALX_TRY(calx_neighbours_build(s, e));
     sweep(s, dt, conduct, stage, ahead);
+    s->evaluations++;
     if (s->features.wall_contacts)
         swap_wall_contacts(s);
     return 0;
