@@ -36,6 +36,8 @@ static int make(struct calx_report_job *job, const struct calx_report_options *o
     CALX_TRY(calx_report_store_open(&job->store, &job->study, error));
     if (job->store.found)
         calx_report_progress_say(&job->progress, "going on with %zu runs of an interrupted report", job->store.found);
+    if (o->stability)
+        return calx_report_stability(job, error);
     CALX_TRY(calx_report_plan_make(job, error));
     CALX_TRY(calx_report_analyse(job, a, error));
     calx_report_progress_end(&job->progress);

@@ -15,7 +15,7 @@
 
 #include "io/report_parts.h"
 
-static const double SHARE = 0.75;   /* of what is left of the budget: estimates are not exact */
+static const double SHARE = 0.85;   /* of what is left of the budget: estimates are not exact */
 static const double BEYOND = 1.45;  /* the coarsest step, in limits */
 static const double JITTER = 0.12;  /* width of the band of steps of one point */
 static const double GOLDEN = 0.618033988749894848;
@@ -23,12 +23,15 @@ static const double GOLDEN = 0.618033988749894848;
 struct level {
     int replicas;
     double ratio, finest; /* of neighbouring steps; the finest, in critical steps */
+    size_t most;          /* integrators */
 };
-static const struct level converging[] = {{8, M_SQRT2, 1. / 512}, {8, 2, 1. / 512}, {5, 2, 1. / 256}, {5, 2, 1. / 128},
-                                          {4, 2, 1. / 64},        {3, 2, 1. / 64},  {2, 2, 1. / 32},  {1, 2, 1. / 32},
-                                          {1, 2, 1. / 16}};
-static const struct level averaging[] = {{12, 2, 1. / 16}, {8, 2, 1. / 16}, {6, 2, 1. / 16}, {5, 2, 1. / 8},
-                                         {4, 2, 1. / 8},   {3, 2, 1. / 8},  {3, 4, 1. / 8}};
+enum { ALL = 1000 };
+static const struct level converging[] = {
+    {8, M_SQRT2, 1. / 512, ALL}, {8, 2, 1. / 512, ALL}, {5, 2, 1. / 256, ALL}, {5, 2, 1. / 128, ALL}, {4, 2, 1. / 64, ALL},
+    {3, 2, 1. / 64, ALL},        {2, 2, 1. / 32, ALL},  {1, 2, 1. / 32, ALL},  {1, 2, 1. / 16, ALL},  {1, 2, 1. / 16, 4}};
+static const struct level averaging[] = {
+    {12, 2, 1. / 16, ALL}, {8, 2, 1. / 16, ALL}, {6, 2, 1. / 16, ALL}, {5, 2, 1. / 8, ALL}, {4, 2, 1. / 8, ALL}, {4, 2, 1. / 8, 6},
+    {4, 2, 1. / 8, 4},     {4, 2, 1. / 8, 2},    {3, 2, 1. / 8, 2},    {3, 2, 1. / 8, 1},   {3, 4, 1. / 8, 1}};
 enum { HALVINGS = 12, MOST_POINTS = 4096 };
 
 /* ---- building the list ---- */
@@ -242,8 +245,13 @@ static int build(struct calx_report_job *job, const struct level *level, double 
     plan->ratio = level->ratio;
     plan->replicas = s->options->seeds > 0 && plan->reference == CALX_REPORT_STATISTICS ? s->options->seeds
                                                                                        : level->replicas;
-    for (size_t c = 0; whole && c < s->candidate_count; c++)
-        whole = s->candidates[c].refused[0] || add_ladder(job, c, level, 1);
+    size_t most = s->options->integrators ? s->candidate_count : level->most;
+    for (size_t c = 0, taken = 0; whole && c < s->candidate_count && taken < most; c++) {
+        if (s->candidates[c].refused[0])
+            continue;
+        whole = add_ladder(job, c, level, 1);
+        taken++;
+    }
     for (size_t k = 0; whole && s->own >= 0 && k < s->soften_count; k++)
         whole = add_ladder(job, (size_t)s->own, level, s->soften[k]);
     if (whole && !isnan(s->heat_low))
@@ -298,5 +306,6 @@ int calx_report_fit(struct calx_report_job *job, struct calx_error *error)
         return calx_error_set(error, CALX_ERROR_INPUT, "no step of the range divides the time that is compared (%g s): "
                               "ask for smaller ones with --steps", job->plan.window);
     job->progress.all = job->plan.seconds;
+    job->progress.spent = 0;
     return CALX_OK;
 }

@@ -8,7 +8,7 @@
 #include "io/report_parts.h"
 
 /* Runs that would go on past this many budgets are stopped: an estimate can be wrong by a factor. */
-static const double DEADLINE = 1.25;
+static const double DEADLINE = 1.1;
 
 double calx_report_job_left(const struct calx_report_job *job)
 {
@@ -18,8 +18,7 @@ double calx_report_job_left(const struct calx_report_job *job)
 double calx_report_job_seconds(const struct calx_report_job *job, const struct calx_report_recipe *r)
 {
     const struct calx_report_candidate *c = &job->study.candidates[r->candidate];
-    double cost = c->cost > 0 ? c->cost : job->cost;
-    return job->setup + r->window / r->dt * c->evaluations * cost;
+    return job->setup + r->window / r->dt * c->evaluations * job->cost;
 }
 
 int calx_report_job_run(struct calx_report_job *job, const struct calx_report_recipe *recipe,

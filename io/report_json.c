@@ -52,6 +52,7 @@ static void print_verdict(const struct calx_report_job *job, const struct calx_r
     else
         fputs("null", f);
     print_number("dt", v->best ? v->best->point->dt : NAN, f);
+    print_number("target", v->target, f);
     print_number("error", v->best ? calx_report_upper(&job->plan, &v->best->errors[q]) : NAN, f);
     print_number("seconds", v->whole, f);
     print_number("own_step_finer_than_needed", v->own_factor, f);

@@ -59,18 +59,6 @@ static void print_scales(const struct calx_report_job *job, const struct calx_re
     fputc('\n', f);
 }
 
-static const struct calx_report_result *nearest_to(const struct calx_report_analysis *a, int candidate, double dt)
-{
-    const struct calx_report_result *best = NULL;
-    for (size_t k = 0; k < a->count; k++) {
-        const struct calx_report_result *r = &a->results[k];
-        if (r->point->candidate == candidate && r->point->stiffness == 1 && r->point->heat_dt == 0 && r->runs &&
-            (!best || fabs(log(r->point->dt / dt)) < fabs(log(best->point->dt / dt))))
-            best = r;
-    }
-    return best;
-}
-
 /* One line per integrator: what it costs to be within the target, and what it gives at the case's step. */
 static void print_integrators(const struct calx_report_job *job, const struct calx_report_analysis *a, size_t q, FILE *f)
 {
@@ -81,7 +69,7 @@ static void print_integrators(const struct calx_report_job *job, const struct ca
     for (size_t c = 0; c < s->candidate_count; c++) {
         const struct calx_report_candidate *candidate = &s->candidates[c];
         const struct calx_report_curve *curve = &a->curves[c * s->quantity_count + q];
-        const struct calx_report_result *at = nearest_to(a, (int)c, s->own_dt);
+        const struct calx_report_result *at = calx_report_nearest(a, (int)c, s->own_dt);
         uint32_t order = s->axis == CALX_MOTION
                              ? ((const struct calx_motion_integrator *)candidate->plugin->law)->order
                              : ((const struct calx_temperature_integrator *)candidate->plugin->law)->order;
@@ -147,6 +135,15 @@ static void print_notes(const struct calx_report_job *job, const struct calx_rep
                     a->results[k].why);
             break;
         }
+    for (size_t c = 0; c < s->candidate_count; c++)
+        if (!s->candidates[c].refused[0] && !calx_report_nearest(a, (int)c, s->own_dt))
+            fprintf(f, "- %s was left out for want of time, or no run of it came to its end; to have it: --integrators %s\n",
+                    s->candidates[c].plugin->name, s->candidates[c].plugin->name);
+    double start = 0;
+    for (size_t k = 0; k < s->run.scene->stage_count; start += s->run.scene->stages[k++].duration)
+        if (start >= job->plan.window && k > 0)
+            fprintf(f, "- stage %zu%s%s, from t = %.4g s, was not reached: a larger --budget compares more of the case\n", k + 1,
+                    s->run.scene->stages[k].name[0] ? " " : "", s->run.scene->stages[k].name, start);
     if (job->skipped)
         fprintf(f, "- %zu runs of %zu were left out: the budget did not allow them\n", job->skipped,
                 job->plan.recipe_count + job->plan.reference_count);
@@ -159,7 +156,7 @@ static void print_machine(const struct calx_report_job *job, FILE *f)
     char machine[512], spent[32], budget[32];
     double seconds = 0, evaluations = 0;
     for (size_t k = 0; k < job->store.count; k++) {
-        seconds += job->store.runs[k].seconds + job->store.runs[k].setup;
+        seconds += job->store.runs[k].wall + job->store.runs[k].setup;
         evaluations += (double)job->store.runs[k].evaluations;
     }
     fprintf(f, "calx " CALX_VERSION ", %s. %zu runs, %.3g evaluations of all forces, %s of a budget of %s. "

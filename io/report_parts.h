@@ -66,7 +66,8 @@ struct calx_report_run {
     enum calx_report_status status;
     char why[256];
     int64_t steps, evaluations;
-    double seconds, setup; /* of the step loop without samples; to build the simulation */
+    double seconds; /* of the step loop without samples: the clock's, or processor time per thread if others had the machine */
+    double wall, setup; /* s of the clock: of the step loop; to build the simulation */
     double reached;        /* s of the run */
     double residual;       /* worst relative imbalance of mechanical energy seen */
     double gain;           /* worst relative energy from nothing seen (>= 0) */
@@ -118,6 +119,10 @@ void calx_report_study_clear(struct calx_report_study *);
 /* The scene of a draw, read once; NULL with an error. */
 const struct calx_scene *calx_report_study_scene(struct calx_report_study *, int draw,
                                                  struct calx_error *);
+
+/* The largest step that calx would take for the recipe; infinite if nothing limits it; *why: the integrator does not fit. */
+int calx_report_limit(struct calx_report_study *, const struct calx_report_recipe *, double *limit, char *why,
+                      size_t size, struct calx_error *);
 
 /* report_options.c */
 int calx_report_options_read(struct calx_report_study *, struct calx_error *);
@@ -237,6 +242,31 @@ int calx_report_fit(struct calx_report_job *, struct calx_error *);
 /* report_chaos.c: whether two starts that hardly differ stay together. */
 int calx_report_chaos(struct calx_report_job *, struct calx_error *);
 
+/* ---- stability (report_stability.c, report_stability_out.c) ---- */
+
+enum { CALX_REPORT_LADDER = 11 }; /* steps, from 1/16 of the limit to twice, by the square root of 2 */
+
+/* What holds at one step; bits. */
+enum calx_report_holds { CALX_REPORT_BOUNDS = 1, CALX_REPORT_ENERGY = 2, CALX_REPORT_ORDER = 4, CALX_REPORT_SEEN = 8 };
+
+/* One integrator with one stiffness and one damping. */
+struct calx_report_sweep {
+    int candidate;
+    double stiffness, damping, limit; /* factors; s */
+    double share[CALX_REPORT_LADDER]; /* of the limit: the steps that were made */
+    unsigned holds[CALX_REPORT_LADDER];
+    double error[CALX_REPORT_LADDER], residual[CALX_REPORT_LADDER], order[CALX_REPORT_LADDER];
+    char why[256]; /* why not even the finest step came to its end */
+};
+
+/* Sweeps, then writes stability.md, .csv, .svg, .png. */
+int calx_report_stability(struct calx_report_job *, struct calx_error *);
+int calx_report_write_stability(const struct calx_report_job *, const struct calx_report_sweep *, size_t count,
+                                struct calx_error *);
+/* The largest share of the limit up to which it holds without a gap; 0 if nowhere. */
+double calx_report_holds_to(const struct calx_report_sweep *, unsigned what);
+int calx_report_cost(struct calx_report_job *, struct calx_error *); /* report_plan.c: the trial alone */
+
 /* ---- analysis ---- */
 
 /* What one quantity came to at one point. */
@@ -275,6 +305,7 @@ struct calx_report_scale {
 /* The verdict on one quantity. */
 struct calx_report_verdict {
     const struct calx_report_result *best, *own; /* cheapest within the target; cheapest with the case's integrator */
+    double target;     /* that asked for, or the least that can be promised if that is more */
     double whole;      /* s of the clock for the whole case with the best; NaN if it has no end */
     double own_factor; /* how much finer the case's step is than `own`'s; below 1: too coarse; NaN */
     double reached;    /* the smallest error of all points */
@@ -309,6 +340,8 @@ void calx_report_errors(const struct calx_report_job *, const struct calx_report
 double calx_report_mean_of(const struct calx_report_study *, const struct calx_report_run *, size_t quantity);
 /* report_verdict.c */
 void calx_report_judge(const struct calx_report_job *, struct calx_report_analysis *);
+/* The point of the plain ladder nearest to that step; NULL if it has none. */
+const struct calx_report_result *calx_report_nearest(const struct calx_report_analysis *, int candidate, double dt);
 double calx_report_upper(const struct calx_report_plan *, const struct calx_report_error *); /* what the verdict trusts */
 /* report_statistics.c: median, half the interquartile range, Student's t for 95 %. Reorders its input. */
 double calx_report_median(double *, size_t n);

@@ -11,7 +11,7 @@
 #include "io/report_parts.h"
 
 /* Shares of the budget. */
-static const double TRIAL = 0.02, CHAOS = 0.12;
+static const double TRIAL = 0.02, CHAOS = 0.3;
 enum { MANY = 20 }; /* bodies from which on means say something where paths do not */
 
 void calx_report_plan_clear(struct calx_report_plan *plan)
@@ -23,15 +23,6 @@ void calx_report_plan_clear(struct calx_report_plan *plan)
 }
 
 /* ---- the trial ---- */
-
-static void count_stages(struct calx_report_study *s)
-{
-    for (size_t c = 0; c < s->candidate_count; c++) {
-        const struct calx_plugin *plugin = s->candidates[c].plugin;
-        const struct calx_motion_integrator *law = s->axis == CALX_MOTION ? plugin->law : NULL;
-        s->candidates[c].evaluations = law && law->stages ? law->stages : law ? 4 : 1;
-    }
-}
 
 /* The case as it stands for a short while: the cost of an evaluation. The window grows until the clock can tell. */
 static int try_out(struct calx_report_job *job, struct calx_error *error)
@@ -45,8 +36,8 @@ static int try_out(struct calx_report_job *job, struct calx_error *error)
         recipe.window = fmin(s->duration, steps * s->own_dt);
         int code = calx_report_run_go(s, &recipe, INFINITY, &run, error);
         job->setup = run.setup;
-        job->cost = run.seconds / (double)(run.evaluations ? run.evaluations : 1);
-        bool enough = run.seconds > TRIAL * s->options->budget || recipe.window >= s->duration || steps > 1e7;
+        job->cost = run.wall / (double)(run.evaluations ? run.evaluations : 1);
+        bool enough = run.wall > TRIAL * s->options->budget || recipe.window >= s->duration || steps > 1e7;
         bool stopped = run.status != CALX_REPORT_GOOD;
         snprintf(error->text, sizeof error->text, "%s", run.why);
         calx_report_run_clear(&run);
@@ -58,7 +49,7 @@ static int try_out(struct calx_report_job *job, struct calx_error *error)
     }
 }
 
-static int trial(struct calx_report_job *job, struct calx_error *error)
+int calx_report_cost(struct calx_report_job *job, struct calx_error *error)
 {
     const double *noted = calx_report_store_noted(&job->store, "trial");
     if (noted) {
@@ -144,10 +135,9 @@ static void say_reference(struct calx_report_job *job)
 
 int calx_report_plan_make(struct calx_report_job *job, struct calx_error *error)
 {
-    count_stages(&job->study);
     for (size_t k = 0; k < job->store.count; k++)
-        job->before += job->store.runs[k].seconds + job->store.runs[k].setup;
-    CALX_TRY(trial(job, error));
+        job->before += job->store.runs[k].wall + job->store.runs[k].setup;
+    CALX_TRY(calx_report_cost(job, error));
     CALX_TRY(find_reference(job, error));
     say_reference(job);
     return calx_report_fit(job, error);

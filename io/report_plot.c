@@ -16,7 +16,7 @@
 /* Colours that people with any eyes tell apart (Okabe and Ito), then darker ones. */
 static const char *const colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#b8860b", "#7f3fbf",
                                       "#444444", "#8c564b", "#17becf"};
-static const int shapes[] = {7, 5, 9, 11, 13, 4, 6, 8, 10, 12};
+static const int shapes[] = {7, 4, 8, 10, 12, 5, 6, 9, 11, 13};
 enum { STYLES = sizeof colours / sizeof *colours, PANELS = 4 };
 
 /* ---- limits of the picture ---- */
@@ -75,8 +75,8 @@ static void print_curve(const struct calx_report_job *job, const struct calx_rep
     fputs("EOD\n", f);
 }
 
-/* Where the block holds: 0 others than the plain ladder, 1 the front, 2 what failed. */
-static void print_marks(const struct calx_report_job *job, const struct calx_report_analysis *a, size_t q,
+/* Points beside the ladders, the front, and what failed; returns how many failed. */
+static size_t print_marks(const struct calx_report_job *job, const struct calx_report_analysis *a, size_t q,
                         const struct frame *frame, FILE *f)
 {
     fprintf(f, "$other%zu << EOD\n", q);
@@ -87,12 +87,14 @@ static void print_marks(const struct calx_report_job *job, const struct calx_rep
     for (size_t k = 0; k < a->count; k++)
         if (a->results[k].front[q] && seen(&a->results[k], q))
             fprintf(f, "%.6g %.6g\n", a->results[k].seconds, fmax(a->results[k].errors[q].error, 1e-16));
+    size_t failed = 0;
     fprintf(f, "EOD\n$edge%zu << EOD\n", q);
     for (size_t k = 0; k < a->count; k++)
         if (a->results[k].status != CALX_REPORT_GOOD || (a->results[k].runs && a->results[k].errors[q].error >= 3))
-            fprintf(f, "%.6g %.6g %d\n", seconds_of(job, &a->results[k]), frame->high / 1.3,
-                    a->results[k].point->candidate % STYLES);
+            failed += fprintf(f, "%.6g %.6g %ld\n", seconds_of(job, &a->results[k]), frame->high / 1.3,
+                    strtol(colours[a->results[k].point->candidate % STYLES] + 1, NULL, 16)) > 0;
     fputs("EOD\n", f);
+    return failed;
 }
 
 /* ---- the script ---- */
@@ -128,7 +130,11 @@ static void print_best(const struct calx_report_job *job, const struct calx_repo
     char step[32];
     if (!best)
         return;
-    fprintf(f, "set label 2 \"use %s, dt = %s\" at %.6g,%.6g right offset -1.2,-0.9 point pt 6 ps 2.6 lw 2 lc rgb '#000000' "
+    const struct calx_report_result *mine = calx_report_nearest(a, job->study.own, job->study.own_dt);
+    if (mine && mine != best && seen(mine, q))
+        fprintf(f, "set label 3 \"the step you have\" at %.6g,%.6g left offset 1.4,0.7 point pt 12 ps 2.4 lw 1.5 "
+                   "lc rgb '#000000' front font ',12' tc rgb '#444444'\n", mine->seconds, fmax(mine->errors[q].error, 1e-16));
+    fprintf(f, "set label 2 \"use %s, dt = %s\" at %.6g,%.6g left offset 1.4,0.9 point pt 6 ps 2.6 lw 2 lc rgb '#000000' "
                "front font ',13'\n", job->study.candidates[best->point->candidate].plugin->name,
             calx_report_step(best->point->dt, step, sizeof step), best->seconds, fmax(best->errors[q].error, 1e-16));
 }
@@ -158,12 +164,21 @@ static void print_orders(const struct calx_report_job *job, const struct calx_re
     }
 }
 
-static void print_plot(const struct calx_report_job *job, const struct calx_report_analysis *a, size_t q, FILE *f)
+/* The front first, as a broad band under the curves; the case's own integrator last, on top. Markers under others are
+ * larger, so that curves which fall together are seen. */
+static void print_plot(const struct calx_report_job *job, const struct calx_report_analysis *a, size_t q, bool failed,
+                       FILE *f)
 {
     const struct calx_report_study *s = &job->study;
     bool bars = job->plan.reference == CALX_REPORT_STATISTICS;
-    fputs("plot ", f);
-    for (size_t c = 0; c < s->candidate_count; c++) {
+    fprintf(f, "plot $front%zu using 1:2 smooth unique with lines lw 11 lc rgb '#d8d8d8' title \"Pareto front\"", q);
+    if (failed)
+        fprintf(f, ", \\\n  $edge%zu using 1:2:3 with points pt 2 ps 1.3 lw 2 lc rgb variable "
+                   "title \"unstable, or no digit right\"", q);
+    if (s->soften_count || !isnan(s->heat_low))
+        fprintf(f, ", \\\n  $other%zu using 1:2 with points pt 2 ps 1 lc rgb '#777777' title \"%s\"", q,
+                s->soften_count ? "softer contacts" : "other heat steps");
+    for (size_t c = s->candidate_count; c-- > 0;) {
         const struct calx_report_curve *curve = &a->curves[c * s->quantity_count + q];
         const char *colour = colours[c % STYLES];
         char order[32] = "";
@@ -172,16 +187,11 @@ static void print_plot(const struct calx_report_job *job, const struct calx_repo
         if (!isnan(curve->order))
             snprintf(order, sizeof order, ", order %.1f", curve->order);
         if (bars)
-            fprintf(f, "$c%zuq%zu using 1:2:3:4 with yerrorbars pt 0 lw 1 lc rgb '%s' notitle, \\\n  ", c, q, colour);
-        fprintf(f, "$c%zuq%zu using 1:2 with linespoints pt %d ps 1 lw 1.8 lc rgb '%s' title \"%s%s\", \\\n  ", c, q,
-                shapes[c % STYLES], colour, s->candidates[c].plugin->name, order);
+            fprintf(f, ", \\\n  $c%zuq%zu using 1:2:3:4 with yerrorbars pt 0 lw 1 lc rgb '%s' notitle", c, q, colour);
+        fprintf(f, ", \\\n  $c%zuq%zu using 1:2 with linespoints pt %d ps %.2f lw 1.6 lc rgb '%s' title \"%s%s\"", c, q,
+                shapes[c % STYLES], 0.8 + 0.15 * fmin((double)c, 5), colour, s->candidates[c].plugin->name, order);
     }
-    if (s->soften_count || !isnan(s->heat_low))
-        fprintf(f, "$other%zu using 1:2 with points pt 2 ps 1 lc rgb '#777777' title \"%s\", \\\n  ", q,
-                s->soften_count ? "softer contacts" : "other heat steps");
-    fprintf(f, "$front%zu using 1:2 smooth unique with lines lw 5 lc rgb '#22000000' title \"Pareto front\", \\\n  ", q);
-    fprintf(f, "$edge%zu using 1:2 with points pt 2 ps 1.3 lw 2 lc rgb '#c00000' title \"unstable, or no error below 300 %%\"\n",
-            q);
+    fputc('\n', f);
 }
 
 static void print_panel(const struct calx_report_job *job, const struct calx_report_analysis *a, size_t q, FILE *f)
@@ -189,26 +199,26 @@ static void print_panel(const struct calx_report_job *job, const struct calx_rep
     struct frame frame = frame_of(job, a, q);
     for (size_t c = 0; c < job->study.candidate_count; c++)
         print_curve(job, a, q, c, f);
-    print_marks(job, a, q, &frame, f);
+    size_t failed = print_marks(job, a, q, &frame, f);
     fputs("unset label\nunset arrow\n", f);
     print_axes(job, a, q, &frame, f);
     print_orders(job, a, q, f);
     print_best(job, a, q, f);
-    print_plot(job, a, q, f);
+    print_plot(job, a, q, failed > 0, f);
 }
 
 static void print_script(const struct calx_report_job *job, const struct calx_report_analysis *a, FILE *f)
 {
     size_t panels = job->study.quantity_count < PANELS ? job->study.quantity_count : PANELS;
-    int columns = panels > 1 ? 2 : 1, rows = (int)(panels + 1) / columns;
+    int columns = panels > 1 ? 2 : 1, rows = ((int)panels + columns - 1) / columns;
     const char *title = job->study.run.scene->title;
     fprintf(f, "# Redraws report.svg or report.png: gnuplot -e \"kind='svg'\" report.gp\n"
                "if (!exists(\"kind\")) kind = 'svg'\n"
                "if (kind eq 'svg') { set terminal svg size %d,%d font 'Helvetica,14' background '#ffffff' } "
                "else { set terminal pngcairo size %d,%d font 'Sans,11' background '#ffffff' }\n"
                "set output 'report.'.kind\n", columns * 900, rows * 560, columns * 900, rows * 560);
-    fputs("set encoding utf8\nset logscale xy\nset format x \"10^{%L}\"\nset format y \"10^{%L}\"\nset grid lc rgb '#dddddd'\n"
-          "set key outside right top samplen 2 spacing 1.15\nset datafile missing '?'\nset border lc rgb '#666666'\n"
+    fputs("set encoding utf8\nset logscale xy\nset format x \"10^{%L}\"\nset format y \"10^{%L}\"\nset grid lt 1 lw 0.5 lc rgb '#e4e4e4'\n"
+          "set key inside left bottom Left reverse invert samplen 2 spacing 1.1\nset datafile missing '?'\nset border lc rgb '#666666'\n"
           "set xlabel \"run time of what was compared (s), counted work x measured cost\"\n", f);
     if (panels > 1)
         fprintf(f, "set multiplot layout %d,%d\n", rows, columns);

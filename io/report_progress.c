@@ -14,8 +14,8 @@ enum { BAR = 24 };
 
 void calx_report_progress_begin(struct calx_report_progress *p, FILE *file)
 {
-    *p = (struct calx_report_progress){.file = file, .live = file && isatty(fileno(file)),
-                                       .begin = calx_terminal_clock()};
+    double now = calx_terminal_clock();
+    *p = (struct calx_report_progress){.file = file, .live = file && isatty(fileno(file)), .begin = now, .last = now};
 }
 
 static void draw_bar(const struct calx_report_progress *p, double share)

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "io/report_parts.h"
 
@@ -55,11 +56,20 @@ static void take_sample(const struct calx_report_study *s, const struct watch *w
     look(w, sim, run);
 }
 
+/* Processor time of this process per working thread: what the clock of the wall shows when nobody else has the machine. */
+static double processor_clock(const struct calx_sim *sim)
+{
+    struct timespec now;
+    int threads = calx_sim_timing(sim).threads;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return ((double)now.tv_sec + 1e-9 * (double)now.tv_nsec) / (threads > 1 ? threads : 1);
+}
+
 /* Steps until the time reaches `instant` (within the rounding of summed steps) or the case ends. */
 static int go_to(struct calx_sim *sim, double instant, double deadline, struct calx_report_run *run,
                  struct calx_error *error)
 {
-    double begin = calx_terminal_clock(), slack = 1e-6 * calx_sim_dt(sim);
+    double begin = calx_terminal_clock(), busy = processor_clock(sim), slack = 1e-6 * calx_sim_dt(sim);
     while (!calx_sim_done(sim) && calx_sim_time(sim) < instant - slack) {
         double left = (instant - slack - calx_sim_time(sim)) / calx_sim_dt(sim);
         int64_t made, quiet = left > AT_ONCE ? AT_ONCE : (int64_t)left;
@@ -69,7 +79,9 @@ static int go_to(struct calx_sim *sim, double instant, double deadline, struct c
         if (calx_terminal_clock() > deadline)
             return calx_error_set(error, CALX_ERROR_INPUT, "out of time");
     }
-    run->seconds += calx_terminal_clock() - begin;
+    double wall = calx_terminal_clock() - begin;
+    run->wall += wall;
+    run->seconds += fmin(wall, processor_clock(sim) - busy);
     return CALX_OK;
 }
 

@@ -96,10 +96,22 @@ static int check_names(struct calx_report_study *s, struct calx_error *error)
     return CALX_OK;
 }
 
-static int by_name(const void *a, const void *b)
+/* The case's own, then the cheaper ones: where the budget does not suffice the last are left out. */
+static int by_rank(const void *a, const void *b)
 {
     const struct calx_report_candidate *x = a, *y = b;
-    return x->own != y->own ? (x->own ? -1 : 1) : strcmp(x->plugin->name, y->plugin->name);
+    if (x->own != y->own)
+        return x->own ? -1 : 1;
+    if (x->evaluations != y->evaluations)
+        return x->evaluations < y->evaluations ? -1 : 1;
+    return strcmp(x->plugin->name, y->plugin->name);
+}
+
+/* Evaluations of forces per step before any is counted. An adaptive integrator does not say: as many as a step of fourth order. */
+static double stages_of(const struct calx_report_study *s, const struct calx_plugin *plugin)
+{
+    const struct calx_motion_integrator *law = s->axis == CALX_MOTION ? plugin->law : NULL;
+    return law && law->stages ? law->stages : law ? 4 : 1;
 }
 
 static int find_candidates(struct calx_report_study *s, struct calx_error *error)
@@ -118,34 +130,42 @@ static int find_candidates(struct calx_report_study *s, struct calx_error *error
             (s->options->integrators && !is_named(s->options->integrators, plugin->name)))
             continue;
         s->candidates[s->candidate_count++] =
-            (struct calx_report_candidate){.plugin = plugin, .own = mine, .critical = INFINITY};
+            (struct calx_report_candidate){.plugin = plugin, .own = mine, .critical = INFINITY,
+                                           .evaluations = stages_of(s, plugin)};
     }
-    qsort(s->candidates, s->candidate_count, sizeof *s->candidates, by_name);
+    qsort(s->candidates, s->candidate_count, sizeof *s->candidates, by_rank);
     s->own = s->candidate_count && s->candidates[0].own ? 0 : -1;
     return CALX_OK;
 }
 
-/* The step that calx would take at the full stability limit; why not, if the integrator does not fit. */
-static int find_limit(struct calx_report_study *s, size_t c, struct calx_error *error)
+int calx_report_limit(struct calx_report_study *s, const struct calx_report_recipe *recipe, double *limit,
+                      char *why, size_t size, struct calx_error *error)
 {
-    struct calx_report_candidate *candidate = &s->candidates[c];
-    struct calx_report_recipe recipe = {.candidate = (int)c, .stiffness = 1, .damping = 1};
-    struct calx_scene *scene = calx_report_variant_create(s, s->run.scene, &recipe);
-    struct calx_error why = {0};
+    struct calx_scene *scene = calx_report_variant_create(s, s->run.scene, recipe);
+    struct calx_error refused = {0};
+    *limit = INFINITY;
+    *why = '\0';
     if (!scene)
         return out_of_memory(error);
     for (size_t m = 0; m < scene->models_count; m++) {
         scene->models[m].dt = s->axis == CALX_MOTION ? 0 : s->own_dt;
         scene->models[m].dt_fraction = 1;
     }
-    struct calx_sim *sim = calx_sim_create(scene, s->run.registry, s->options->threads, &why);
+    struct calx_sim *sim = calx_sim_create(scene, s->run.registry, s->options->threads, &refused);
     if (sim && s->axis == CALX_MOTION)
-        candidate->critical = calx_sim_dt(sim);
-    else if (!sim && !strstr(why.text, "no time step"))
-        snprintf(candidate->refused, sizeof candidate->refused, "%.255s", why.text);
+        *limit = calx_sim_dt(sim);
+    else if (!sim && !strstr(refused.text, "no time step"))
+        snprintf(why, size, "%.255s", refused.text);
     calx_sim_free(sim);
     calx_report_variant_free(scene);
     return CALX_OK;
+}
+
+static int find_limit(struct calx_report_study *s, size_t c, struct calx_error *error)
+{
+    struct calx_report_candidate *candidate = &s->candidates[c];
+    const struct calx_report_recipe recipe = {.candidate = (int)c, .stiffness = 1, .damping = 1};
+    return calx_report_limit(s, &recipe, &candidate->critical, candidate->refused, sizeof candidate->refused, error);
 }
 
 static int find_limits(struct calx_report_study *s, struct calx_error *error)

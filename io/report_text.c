@@ -69,21 +69,18 @@ int calx_report_create(const struct calx_report_job *job, const char *name, stru
 
 /* ---- the verdict ---- */
 
-static void print_nothing(const struct calx_report_job *job, const struct calx_report_verdict *v, const char *name,
-                          const char *target, bool absolute, const char *unit, FILE *file)
+/* Why the verdict is on another target than was asked. */
+static void print_out_of_reach(const struct calx_report_job *job, const struct calx_report_verdict *v,
+                               const char *wanted, FILE *file)
 {
-    char reached[32];
-    calx_report_percent(v->reached, absolute, unit, reached, sizeof reached);
-    bool seeds = job->plan.reference == CALX_REPORT_STATISTICS;
-    if (!isfinite(v->reached))
-        fprintf(file, "No run gave an error of %s: it is not seen in the %.3g s that were compared.\n", name,
-                job->plan.window);
-    else if (seeds)
-        fprintf(file, "%s in %s cannot be told from chance with %d seeds: the best that is sure is %s. More seeds (--seeds) "
-                      "or a larger --budget narrow it.\n", target, name, job->plan.replicas, reached);
+    if (v->target <= job->study.options->target)
+        return;
+    if (job->plan.reference == CALX_REPORT_STATISTICS)
+        fprintf(file, " %s cannot be told from chance with %d seeds: more of them (--seeds) or a larger --budget narrow it.",
+                wanted, job->plan.replicas);
     else
-        fprintf(file, "No step that was tried keeps %s within %s: the best reached %s. Ask for smaller ones with --steps, "
-                      "or for a larger --budget.\n", name, target, reached);
+        fprintf(file, " No step that was tried keeps within %s: ask for smaller ones with --steps, or for a larger "
+                      "--budget.", wanted);
 }
 
 /* How the case's step compares with the largest one that would do with its own integrator. */
@@ -112,10 +109,12 @@ void calx_report_print_verdict(const struct calx_report_job *job, const struct c
     const struct calx_report_quantity *quantity = &s->quantities[q];
     const struct calx_report_verdict *v = &a->verdicts[q];
     bool absolute = a->scales[q].absolute;
-    char target[32], step[32], error[32], time[32];
-    calx_report_percent(s->options->target, absolute, quantity->unit, target, sizeof target);
+    char target[32], wanted[32], step[32], error[32], time[32];
+    calx_report_percent(s->options->target, absolute, quantity->unit, wanted, sizeof wanted);
+    calx_report_percent(v->target, absolute, quantity->unit, target, sizeof target);
     if (!v->best) {
-        print_nothing(job, v, quantity->name, target, absolute, quantity->unit, file);
+        fprintf(file, "No run that calx would make gave an error of %s in the %.3g s that were compared.\n",
+                quantity->name, job->plan.window);
         return;
     }
     const struct calx_report_point *p = v->best->point;
@@ -133,5 +132,6 @@ void calx_report_print_verdict(const struct calx_report_job *job, const struct c
             whole ? "" : " for what was compared", error,
             job->plan.reference == CALX_REPORT_STATISTICS ? " at most (95 %)" : "");
     print_own(job, v, file);
+    print_out_of_reach(job, v, wanted, file);
     fputc('\n', file);
 }

@@ -38,11 +38,18 @@ static bool allowed(const struct calx_report_study *s, const struct calx_report_
     return p->dt <= s->candidates[p->candidate].critical * soft;
 }
 
+/* The error that can be promised: no less than the reference is uncertain. */
+static double promised(const struct calx_report_job *job, const struct calx_report_analysis *a,
+                       const struct calx_report_result *r, size_t q)
+{
+    bool good = r->status == CALX_REPORT_GOOD && allowed(&job->study, r->point);
+    return good ? fmax(calx_report_upper(&job->plan, &r->errors[q]), a->scales[q].floor) : NAN;
+}
+
 static bool within(const struct calx_report_job *job, const struct calx_report_analysis *a,
                    const struct calx_report_result *r, size_t q)
 {
-    return r->status == CALX_REPORT_GOOD && allowed(&job->study, r->point) &&
-           fmax(calx_report_upper(&job->plan, &r->errors[q]), a->scales[q].floor) <= job->study.options->target;
+    return promised(job, a, r, q) <= a->verdicts[q].target;
 }
 
 static bool holds(const struct calx_report_job *job, const struct calx_report_analysis *a,
@@ -108,17 +115,49 @@ static const struct calx_report_result *choose(const struct calx_report_job *job
     return best;
 }
 
+/* Where the target is out of reach the verdict is on the least error that can be promised, doubled at most twice:
+ * the confidence of neighbouring points differs by chance. */
+static void relax(const struct calx_report_job *job, struct calx_report_analysis *a, size_t q)
+{
+    struct calx_report_verdict *v = &a->verdicts[q];
+    for (double factor = 1; !v->best && factor <= 4 && isfinite(v->reached); factor *= 2) {
+        v->target = fmax(job->study.options->target, factor * v->reached);
+        v->best = choose(job, a, q, &v->equals);
+    }
+    double sure = v->best ? promised(job, a, v->best, q) : v->target;
+    for (size_t k = 0; v->best && k < a->count; k++)
+        if (same_ladder(a->results[k].point, v->best->point) && step_of(a->results[k].point) < step_of(v->best->point) &&
+            a->results[k].runs)
+            sure = fmax(sure, promised(job, a, &a->results[k], q));
+    v->target = fmax(job->study.options->target, sure);
+}
+
+const struct calx_report_result *calx_report_nearest(const struct calx_report_analysis *a, int candidate,
+                                                     double dt)
+{
+    const struct calx_report_result *best = NULL;
+    for (size_t k = 0; k < a->count; k++) {
+        const struct calx_report_result *r = &a->results[k];
+        if (r->point->candidate == candidate && r->point->stiffness == 1 && r->point->heat_dt == 0 && r->runs &&
+            (!best || fabs(log(r->point->dt / dt)) < fabs(log(best->point->dt / dt))))
+            best = r;
+    }
+    return best;
+}
+
 void calx_report_judge(const struct calx_report_job *job, struct calx_report_analysis *a)
 {
     const struct calx_report_study *s = &job->study;
     for (size_t q = 0; q < s->quantity_count; q++) {
         struct calx_report_verdict *v = &a->verdicts[q];
         *v = (struct calx_report_verdict){.own_factor = NAN, .reached = INFINITY, .whole = NAN};
-        v->best = choose(job, a, q, &v->equals);
-        v->own = s->own >= 0 ? cheapest(job, a, q, s->own) : NULL;
         for (size_t k = 0; k < a->count; k++)
-            if (a->results[k].errors[q].error >= 0)
-                v->reached = fmin(v->reached, calx_report_upper(&job->plan, &a->results[k].errors[q]));
+            v->reached = fmin(v->reached, promised(job, a, &a->results[k], q));
+        v->target = s->options->target;
+        v->best = choose(job, a, q, &v->equals);
+        if (!v->best)
+            relax(job, a, q);
+        v->own = s->own >= 0 ? cheapest(job, a, q, s->own) : NULL;
         if (v->own && v->own->point->heat_dt == 0)
             v->own_factor = v->own->point->dt / s->own_dt;
         if (v->best && isfinite(s->duration))
