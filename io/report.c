@@ -19,10 +19,10 @@ static int write_all(struct calx_report_job *job, const struct calx_report_analy
 
 static void tell(const struct calx_report_job *job, const struct calx_report_analysis *a)
 {
-    if (job->study.options->json) {
+    if (job->study.options->json)
         calx_report_print_json(job, a, stdout);
+    if (job->study.options->json || !job->study.options->progress) /* quiet */
         return;
-    }
     for (size_t q = 0; q < job->study.quantity_count; q++)
         calx_report_print_verdict(job, a, q, stdout);
     printf("\nthe report: %s/report.md\n", job->study.folder);

@@ -2,7 +2,7 @@
  *
  * From runs to results: makes the runs of the plan, then errors, costs, orders, the Pareto front.
  * The time of a point is its counted evaluations times the cost of an evaluation of its integrator, the median over all
- * runs of that integrator: a disturbance of the machine during one run moves no point.
+ * runs of that integrator, weighted with their work: a disturbance of the machine during one run moves no point.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -11,6 +11,7 @@
 #include "io/report_parts.h"
 
 static const double USELESS = 0.3; /* errors above it say nothing about an order */
+static const double RESOLVED = 0.3; /* of the critical step: above it a contact has fewer than five steps */
 static const double ROUNDING = 1e-13;
 
 static int out_of_memory(struct calx_error *error)
@@ -43,7 +44,8 @@ static const struct calx_report_run *run_of(const struct calx_report_job *job, c
 
 /* ---- costs ---- */
 
-static void measure_costs(struct calx_report_job *job, double *room)
+/* Runs count by their work: those of a few steps measure caches and the clock. */
+static void measure_costs(struct calx_report_job *job, struct calx_report_weighted *room)
 {
     for (size_t c = 0; c < job->study.candidate_count; c++) {
         struct calx_report_candidate *candidate = &job->study.candidates[c];
@@ -51,17 +53,20 @@ static void measure_costs(struct calx_report_job *job, double *room)
         double steps = 0, evaluations = 0;
         for (size_t k = 0; k < job->store.count; k++) {
             const struct calx_report_run *run = &job->store.runs[k];
-            if (run->recipe.candidate != (int)c || run->evaluations == 0)
+            double work = (double)run->evaluations;
+            if (run->recipe.candidate != (int)c || !(work > 0))
                 continue;
             steps += (double)run->steps;
-            evaluations += (double)run->evaluations;
-            room[n++] = run->seconds / (double)run->evaluations;
+            evaluations += work;
+            room[n++] = (struct calx_report_weighted){run->seconds / work, work};
         }
         if (!n)
             continue;
         candidate->evaluations = evaluations / steps;
-        candidate->cost = calx_report_median(room, n);
-        candidate->spread = calx_report_scatter(room, n) / candidate->cost;
+        candidate->cost = calx_report_weighted_quantile(room, n, 0.5);
+        candidate->spread = 0.5 *
+                            (calx_report_weighted_quantile(room, n, 0.75) - calx_report_weighted_quantile(room, n, 0.25)) /
+                            candidate->cost;
     }
 }
 
@@ -105,25 +110,31 @@ static bool plain(const struct calx_report_point *p)
     return p->stiffness == 1 && p->heat_dt == 0;
 }
 
-/* Errors fall with the step until they meet the uncertainty of the reference or rounding: up to there an order is fitted. */
-static struct calx_report_curve fit_curve(const struct calx_report_job *job, const struct calx_report_analysis *a,
-                                          int candidate, size_t q, double *x, double *y)
+/* Coarse to fine; the last is the one with the smallest error: below it is the uncertainty of the reference, or rounding. */
+static size_t collect_curve(const struct calx_report_job *job, const struct calx_report_analysis *a, int candidate,
+                            size_t q, double *x, double *y)
 {
-    struct calx_report_curve curve = {NAN, NAN, 0};
-    const double limit = 0.6 * job->study.candidates[candidate].critical;
+    const double limit = RESOLVED * job->study.candidates[candidate].critical;
     double floor = fmax(3 * a->scales[q].floor, ROUNDING), least = INFINITY;
-    for (size_t k = 0; k < a->count; k++) { /* coarse to fine */
+    size_t n = 0, last = 0;
+    for (size_t k = 0; k < a->count; k++) {
         const struct calx_report_result *r = &a->results[k];
         double error = r->errors[q].error;
         if (r->point->candidate != candidate || !plain(r->point) || r->point->dt > limit || !(error > floor) ||
             error > USELESS)
             continue;
-        if (error > 1.5 * least)
-            break;
+        x[n] = log(r->point->dt);
+        y[n++] = log(error);
+        last = error < least ? n : last;
         least = fmin(least, error);
-        x[curve.fitted] = log(r->point->dt);
-        y[curve.fitted++] = log(error);
     }
+    return last;
+}
+
+static struct calx_report_curve fit_curve(const struct calx_report_job *job, const struct calx_report_analysis *a,
+                                          int candidate, size_t q, double *x, double *y)
+{
+    struct calx_report_curve curve = {NAN, NAN, collect_curve(job, a, candidate, q, x, y)};
     if (curve.fitted >= 3)
         curve.order = calx_report_slope(x, y, curve.fitted, &curve.order_error);
     return curve;
@@ -152,7 +163,7 @@ static int analyse(struct calx_report_job *job, struct calx_report_analysis *a, 
     a->curves = calloc(s->candidate_count * s->quantity_count + 1, sizeof *a->curves);
     if (!a->results || !a->curves)
         return out_of_memory(error);
-    measure_costs(job, room);
+    measure_costs(job, (struct calx_report_weighted *)(void *)room);
     for (a->count = 0; a->count < plan->point_count; a->count++) {
         gather(job, &plan->points[a->count], room, &a->results[a->count]);
         calx_report_errors(job, t, a, &a->results[a->count]);
@@ -172,7 +183,7 @@ int calx_report_analyse(struct calx_report_job *job, struct calx_report_analysis
     int code = calx_report_truth_find(job, &truth, a, error);
     if (!code)
         code = make_runs(job, error);
-    double *room = malloc((job->store.count + 2 * job->plan.point_count + 64) * sizeof *room);
+    double *room = malloc((2 * job->store.count + 2 * job->plan.point_count + 64) * sizeof *room);
     if (!code)
         code = room ? analyse(job, a, &truth, room, error) : out_of_memory(error);
     free(room);

@@ -214,15 +214,19 @@ static void choose_samples(struct calx_report_job *job, double window)
 
 /* ---- fitting ---- */
 
-static double estimate(const struct calx_report_job *job)
+static void add_estimate(struct calx_report_job *job, const struct calx_report_recipe *r)
 {
-    const struct calx_report_plan *plan = &job->plan;
-    double seconds = 0;
-    for (size_t k = 0; k < plan->recipe_count; k++)
-        seconds += calx_report_job_seconds(job, &plan->recipes[k]);
-    for (size_t k = 0; k < plan->reference_count; k++)
-        seconds += calx_report_job_seconds(job, &plan->references[k]);
-    return seconds;
+    job->plan.seconds += calx_report_job_seconds(job, r);
+    job->plan.evaluations += r->window / r->dt * job->study.candidates[r->candidate].evaluations;
+}
+
+static void estimate(struct calx_report_job *job)
+{
+    job->plan.seconds = job->plan.evaluations = 0;
+    for (size_t k = 0; k < job->plan.recipe_count; k++)
+        add_estimate(job, &job->plan.recipes[k]);
+    for (size_t k = 0; k < job->plan.reference_count; k++)
+        add_estimate(job, &job->plan.references[k]);
 }
 
 static void clear_lists(struct calx_report_plan *plan)
@@ -258,7 +262,7 @@ static int build(struct calx_report_job *job, const struct level *level, double 
         whole = add_heat_ladder(job, level);
     if (!whole || !add_references(job))
         return calx_error_set(error, CALX_ERROR_MEMORY, "too many points, or out of memory");
-    plan->seconds = estimate(job);
+    estimate(job);
     return CALX_OK;
 }
 

@@ -130,7 +130,9 @@ void calx_report_print_json(const struct calx_report_job *job, const struct calx
     print_number("own_dt", s->own_dt, f);
     print_number("seeds", (double)a->seeds, f);
     print_number("planned_seconds", job->plan.seconds, f);
+    print_number("planned_evaluations", job->plan.evaluations, f);
     print_number("evaluations", evaluations, f);
+    print_number("seconds_per_evaluation", job->cost, f);
     print_number("runs", (double)job->store.count, f);
     print_number("resumed_runs", (double)job->store.found, f);
     print_number("skipped_runs", (double)job->skipped, f);

@@ -116,8 +116,8 @@ static void print_points(const struct calx_report_job *job, const struct calx_re
                 calx_report_percent(r->errors[q].error, a->scales[q].absolute, s->quantities[q].unit, error, sizeof error),
                 calx_report_percent(r->errors[q].confidence, a->scales[q].absolute, s->quantities[q].unit, wide,
                                     sizeof wide),
-                r->evaluations, calx_terminal_duration(r->seconds, time, sizeof time), r->front[q] ? "on the front" : "",
-                a->verdicts[q].best == r ? ", **the verdict**" : "");
+                r->evaluations, calx_report_time(r->seconds, time, sizeof time), r->front[q] ? "on the front" : "",
+                a->verdicts[q].best == r ? " **the verdict**" : "");
     }
     fputc('\n', f);
 }

@@ -347,6 +347,8 @@ double calx_report_upper(const struct calx_report_plan *, const struct calx_repo
 double calx_report_median(double *, size_t n);
 double calx_report_scatter(double *, size_t n);
 double calx_report_student(size_t degrees);
+struct calx_report_weighted { double value, weight; };
+double calx_report_weighted_quantile(struct calx_report_weighted *, size_t n, double share); /* reorders its input */
 /* Slope of a straight line through n points with its standard error. */
 double calx_report_slope(const double *x, const double *y, size_t n, double *error);
 
@@ -365,6 +367,7 @@ void calx_report_print_verdict(const struct calx_report_job *, const struct calx
 int calx_report_draw(const char *folder, const char *script, bool *drawn, struct calx_error *);
 const char *calx_report_machine(char *text, size_t size);
 const char *calx_report_step(double seconds, char *text, size_t size);   /* 2.5 us */
+const char *calx_report_time(double seconds, char *text, size_t size);   /* 2.5 us, 12 s, 3:07 */
 const char *calx_report_percent(double error, bool absolute, const char *unit, char *text, size_t size); /* 0.12 % */
 /* Creates a file in the folder. */
 struct calx_file;

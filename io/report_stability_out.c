@@ -14,9 +14,9 @@ static const struct {
     unsigned bits;
     const char *colour, *name;
 } grades[] = {
-    {CALX_REPORT_BOUNDS | CALX_REPORT_ENERGY | CALX_REPORT_ORDER, "#4daf7c", "energy, order and bounds hold"},
-    {CALX_REPORT_BOUNDS | CALX_REPORT_ENERGY, "#f2d16b", "energy and bounds hold, not the order"},
-    {CALX_REPORT_BOUNDS, "#ef9b52", "bounds hold, not the energy"},
+    {CALX_REPORT_BOUNDS | CALX_REPORT_ENERGY | CALX_REPORT_ORDER, "#4daf7c", "all hold"},
+    {CALX_REPORT_BOUNDS | CALX_REPORT_ENERGY, "#f2d16b", "order lost"},
+    {CALX_REPORT_BOUNDS, "#ef9b52", "energy lost"},
     {CALX_REPORT_SEEN, "#c9443f", "unstable"},
 };
 enum { GRADES = sizeof grades / sizeof *grades };
@@ -107,8 +107,8 @@ static void print_script(const struct calx_report_job *job, const struct calx_re
         name_row(job, &w[k], name, sizeof name);
         fprintf(f, "%s\"%s\" %zu", k ? ", " : "", name, count - k);
     }
-    fputs(") scale 0\nset xtics (\"1/16\" 0.0625, \"1/8\" 0.125, \"1/4\" 0.25, \"1/2\" 0.5, \"1\" 1, \"2\" 2)\n"
-          "set xlabel \"step / the stability limit that calx estimates\"\nset key outside top center horizontal maxcols 2\n"
+    fputs(") scale 0 textcolor rgb '#000000'\nset xtics textcolor rgb '#000000' (\"1/16\" 0.0625, \"1/8\" 0.125, \"1/4\" 0.25, \"1/2\" 0.5, \"1\" 1, \"2\" 2)\n"
+          "set xlabel \"step / the stability limit that calx estimates\"\nset key above center horizontal samplen 2\n"
           "set style fill solid 1 noborder\nset border lc rgb '#888888'\n"
           "set arrow from 1, graph 0 to 1, graph 1 nohead lw 2 dt 2 lc rgb '#000000' front\nplot ", f);
     for (size_t g = 0; g < GRADES; g++)
@@ -142,7 +142,7 @@ static int write_page(const struct calx_report_job *job, const struct calx_repor
     }
     fprintf(f, "\n- **Order**: from the step to its half the error in paths falls by 2^p, with p not more than 1/2 below that at small "
                "steps; against the same integrator with 1/64 of the limit. It means nothing in a chaotic scene.\n"
-               "- **Energy**: the worst imbalance is within (w dt)^2/2, w dt = 2 dt/limit, or a hundredth.\n"
+               "- **Energy**: the worst imbalance is within (w dt)^2/4, w dt = 2 dt/limit, or a hundredth.\n"
                "- **Bounds**: no guard stopped the run, and temperatures stayed in their range.\n\n"
                "Compared are the first %.4g s of the case. calx " CALX_VERSION ", %s. All numbers: stability.csv\n",
             job->plan.window, calx_report_machine(machine, sizeof machine));
@@ -163,6 +163,8 @@ int calx_report_write_stability(const struct calx_report_job *job, const struct 
         fprintf(stderr, "calx: there is no gnuplot: no picture (install gnuplot-nox, then: gnuplot %s/stability.gp)\n",
                 job->study.folder);
     CALX_TRY(write_page(job, w, count, drawn, error));
+    if (!job->study.options->progress) /* quiet */
+        return CALX_OK;
     print_rows(job, w, count, stdout);
     printf("\nthe page: %s/stability.md\n", job->study.folder);
     return CALX_OK;

@@ -35,6 +35,25 @@ double calx_report_scatter(double *v, size_t n)
     return n ? 0.5 * (quantile(v, n, 0.75) - quantile(v, n, 0.25)) : NAN;
 }
 
+static int by_value(const void *a, const void *b)
+{
+    return ascending(&((const struct calx_report_weighted *)a)->value, &((const struct calx_report_weighted *)b)->value);
+}
+
+double calx_report_weighted_quantile(struct calx_report_weighted *v, size_t n, double share)
+{
+    double all = 0, before = 0;
+    qsort(v, n, sizeof *v, by_value);
+    for (size_t k = 0; k < n; k++)
+        all += v[k].weight;
+    for (size_t k = 0; k < n; k++) {
+        before += v[k].weight;
+        if (before >= share * all)
+            return v[k].value;
+    }
+    return NAN;
+}
+
 double calx_report_student(size_t degrees)
 {
     static const double exact[] = {INFINITY, 12.7062, 4.30265, 3.18245};

@@ -23,14 +23,21 @@ const char *calx_report_step(double seconds, char *text, size_t size)
     return text;
 }
 
+const char *calx_report_time(double seconds, char *text, size_t size)
+{
+    return seconds < 0.1 ? calx_report_step(seconds, text, size) : calx_terminal_duration(seconds, text, size);
+}
+
 const char *calx_report_percent(double error, bool absolute, const char *unit, char *text, size_t size)
 {
     if (isnan(error))
         snprintf(text, size, "-");
     else if (absolute)
         snprintf(text, size, "%.2g %s", error, strcmp(unit, "1") == 0 ? "" : unit);
-    else if (error >= 1e-4 && error < 10)
+    else if (error >= 1e-4 && error < 1)
         snprintf(text, size, "%.2g %%", 100 * error);
+    else if (error >= 1 && error < 100)
+        snprintf(text, size, "%.0f %%", 100 * error);
     else
         snprintf(text, size, "%.1e", error);
     return text;
@@ -128,7 +135,7 @@ void calx_report_print_verdict(const struct calx_report_job *job, const struct c
         fprintf(file, " and contacts %.3g times softer", 1 / p->stiffness);
     bool whole = !isnan(v->whole);
     fprintf(file, ": %s%s, error %s%s.",
-            calx_terminal_duration(whole ? v->whole : v->best->seconds, time, sizeof time),
+            calx_report_time(whole ? v->whole : v->best->seconds, time, sizeof time),
             whole ? "" : " for what was compared", error,
             job->plan.reference == CALX_REPORT_STATISTICS ? " at most (95 %)" : "");
     print_own(job, v, file);
