@@ -24,7 +24,7 @@ static void tell(const struct calx_report_job *job, const struct calx_report_ana
     if (job->study.options->json || !job->study.options->progress) /* quiet */
         return;
     for (size_t q = 0; q < job->study.quantity_count; q++)
-        calx_report_print_verdict(job, a, q, stdout);
+        calx_report_print_verdict(job, a, calx_report_ranked(job, a, q), stdout);
     printf("\nthe report: %s/report.md\n", job->study.folder);
 }
 

@@ -117,11 +117,12 @@ static size_t collect_curve(const struct calx_report_job *job, const struct calx
     const double limit = RESOLVED * job->study.candidates[candidate].critical;
     double floor = fmax(3 * a->scales[q].floor, ROUNDING), least = INFINITY;
     size_t n = 0, last = 0;
+    bool seeds = job->plan.reference == CALX_REPORT_STATISTICS; /* an error within its confidence follows no order */
     for (size_t k = 0; k < a->count; k++) {
         const struct calx_report_result *r = &a->results[k];
         double error = r->errors[q].error;
         if (r->point->candidate != candidate || !plain(r->point) || r->point->dt > limit || !(error > floor) ||
-            error > USELESS)
+            error > USELESS || (seeds && error < r->errors[q].confidence))
             continue;
         x[n] = log(r->point->dt);
         y[n++] = log(error);
@@ -141,13 +142,14 @@ static struct calx_report_curve fit_curve(const struct calx_report_job *job, con
 }
 
 /* Nobody else has both a smaller error and less time. */
-static void mark_front(struct calx_report_analysis *a, size_t q)
+static void mark_front(const struct calx_report_plan *plan, struct calx_report_analysis *a, size_t q)
 {
     for (size_t i = 0; i < a->count; i++) {
         struct calx_report_result *r = &a->results[i];
         r->front[q] = r->errors[q].error >= 0;
         for (size_t k = 0; k < a->count && r->front[q]; k++)
-            if (a->results[k].errors[q].error < r->errors[q].error && a->results[k].seconds <= r->seconds)
+            if (calx_report_upper(plan, &a->results[k].errors[q]) < calx_report_upper(plan, &r->errors[q]) &&
+                a->results[k].seconds <= r->seconds)
                 r->front[q] = false;
     }
 }
@@ -171,7 +173,7 @@ static int analyse(struct calx_report_job *job, struct calx_report_analysis *a, 
     for (size_t q = 0; q < s->quantity_count; q++) {
         for (size_t c = 0; c < s->candidate_count; c++)
             a->curves[c * s->quantity_count + q] = fit_curve(job, a, (int)c, q, room, room + plan->point_count);
-        mark_front(a, q);
+        mark_front(plan, a, q);
     }
     calx_report_judge(job, a);
     return CALX_OK;

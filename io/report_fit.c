@@ -24,14 +24,17 @@ struct level {
     int replicas;
     double ratio, finest; /* of neighbouring steps; the finest, in critical steps */
     size_t most;          /* integrators */
+    bool own;             /* down to the case's own step, however fine */
 };
 enum { ALL = 1000 };
 static const struct level converging[] = {
-    {8, M_SQRT2, 1. / 512, ALL}, {8, 2, 1. / 512, ALL}, {5, 2, 1. / 256, ALL}, {5, 2, 1. / 128, ALL}, {4, 2, 1. / 64, ALL},
-    {3, 2, 1. / 64, ALL},        {2, 2, 1. / 32, ALL},  {1, 2, 1. / 32, ALL},  {1, 2, 1. / 16, ALL},  {1, 2, 1. / 16, 4}};
+    {8, M_SQRT2, 1. / 512, ALL, true}, {8, 2, 1. / 512, ALL, true}, {5, 2, 1. / 256, ALL, true}, {5, 2, 1. / 128, ALL, true},
+    {4, 2, 1. / 64, ALL, true},        {3, 2, 1. / 64, ALL, true},  {5, 2, 1. / 128, ALL, false}, {3, 2, 1. / 64, ALL, false},
+    {2, 2, 1. / 32, ALL, false},       {1, 2, 1. / 32, ALL, false}, {1, 2, 1. / 16, ALL, false},  {1, 2, 1. / 16, 4, false}};
 static const struct level averaging[] = {
-    {12, 2, 1. / 16, ALL}, {8, 2, 1. / 16, ALL}, {6, 2, 1. / 16, ALL}, {5, 2, 1. / 8, ALL}, {4, 2, 1. / 8, ALL}, {4, 2, 1. / 8, 6},
-    {4, 2, 1. / 8, 4},     {4, 2, 1. / 8, 2},    {3, 2, 1. / 8, 2},    {3, 2, 1. / 8, 1},   {3, 4, 1. / 8, 1}};
+    {12, 2, 1. / 16, ALL, true}, {8, 2, 1. / 16, ALL, true}, {6, 2, 1. / 16, ALL, true}, {5, 2, 1. / 8, ALL, true},
+    {4, 2, 1. / 8, ALL, true},   {4, 2, 1. / 8, 6, true},    {4, 2, 1. / 8, 4, true},    {4, 2, 1. / 8, 2, true},
+    {3, 2, 1. / 8, 2, true},     {3, 2, 1. / 8, 1, true},    {3, 4, 1. / 8, 1, true},    {3, 2, 1. / 8, 1, false}};
 enum { HALVINGS = 12, MOST_POINTS = 4096 };
 
 /* ---- building the list ---- */
@@ -127,7 +130,7 @@ static struct ladder ladder_of(const struct calx_report_study *s, size_t c, cons
     struct ladder l = {.ratio = level->ratio, .from = s->own_dt};
     l.high = isfinite(critical) ? BEYOND * critical : 64 * s->own_dt;
     l.low = isfinite(own) ? level->finest * own : s->own_dt * fmax(1. / 16, level->finest * 4);
-    if (s->own_dt < l.high) /* the case's own step is always there */
+    if (s->own_dt < l.high && level->own)
         l.low = fmin(l.low, s->own_dt);
     if (!isnan(s->low)) {
         l.from = l.low = s->low;
@@ -164,7 +167,7 @@ static bool add_heat_ladder(struct calx_report_job *job, const struct level *lev
 
 static double finest_step(const struct calx_report_job *job)
 {
-    double finest = job->study.own_dt;
+    double finest = INFINITY;
     for (size_t k = 0; k < job->plan.point_count; k++)
         finest = fmin(finest, job->plan.points[k].dt);
     return finest;
@@ -227,6 +230,8 @@ static void estimate(struct calx_report_job *job)
         add_estimate(job, &job->plan.recipes[k]);
     for (size_t k = 0; k < job->plan.reference_count; k++)
         add_estimate(job, &job->plan.references[k]);
+    if (job->plan.reference == CALX_REPORT_STATISTICS)
+        job->plan.seconds += job->plan.replicas * job->study.drawing;
 }
 
 static void clear_lists(struct calx_report_plan *plan)

@@ -128,6 +128,10 @@ static void print_notes(const struct calx_report_job *job, const struct calx_rep
     for (size_t c = 0; c < s->candidate_count; c++)
         if (s->candidates[c].refused[0])
             fprintf(f, "- %s does not fit this case: %s\n", s->candidates[c].plugin->name, s->candidates[c].refused);
+    for (size_t c = 0; c < s->candidate_count; c++)
+        if (s->candidates[c].unsafe)
+            fprintf(f, "- %s is stable at no step: calx runs it only if forced, and the verdict leaves it out\n",
+                    s->candidates[c].plugin->name);
     for (size_t k = 0; k < a->count; k++)
         if (a->results[k].status == CALX_REPORT_UNSTABLE) {
             fprintf(f, "- the first that failed: %s with dt = %.3g s: %s\n",
@@ -167,6 +171,20 @@ static void print_machine(const struct calx_report_job *job, FILE *f)
             calx_terminal_duration(s->options->budget, budget, sizeof budget));
 }
 
+/* A paragraph; the first one is bold. */
+static void print_verdict(const struct calx_report_job *job, const struct calx_report_analysis *a, size_t q, bool first,
+                          FILE *f)
+{
+    char text[1024] = "";
+    FILE *line = fmemopen(text, sizeof text - 1, "w");
+    if (line) {
+        calx_report_print_verdict(job, a, q, line);
+        fclose(line);
+    }
+    text[strcspn(text, "\n")] = '\0';
+    fprintf(f, first ? "**%s**\n" : "\n%s\n", text);
+}
+
 int calx_report_write_page(const struct calx_report_job *job, const struct calx_report_analysis *a, bool picture,
                            struct calx_error *error)
 {
@@ -175,21 +193,8 @@ int calx_report_write_page(const struct calx_report_job *job, const struct calx_
     CALX_TRY(calx_report_create(job, "report.md", &file, error));
     FILE *f = file.stream;
     fprintf(f, "# %s: integrator and step\n\n", *s->run.scene->title ? s->run.scene->title : s->run.name);
-    for (size_t q = 0; q < s->quantity_count; q++) {
-        fputs(q ? "\n" : "**", f);
-        if (q)
-            calx_report_print_verdict(job, a, q, f);
-        else {
-            char text[1024] = "";
-            FILE *line = fmemopen(text, sizeof text - 1, "w");
-            if (line) {
-                calx_report_print_verdict(job, a, q, line);
-                fclose(line);
-            }
-            text[strcspn(text, "\n")] = '\0';
-            fprintf(f, "%s**\n", text);
-        }
-    }
+    for (size_t rank = 0; rank < s->quantity_count; rank++)
+        print_verdict(job, a, calx_report_ranked(job, a, rank), rank == 0, f);
     fputc('\n', f);
     if (picture)
         fputs("![error against run time](report.png)\n\n", f);

@@ -36,6 +36,7 @@ struct calx_report_candidate {
     const struct calx_plugin *plugin;
     bool own;             /* the case's */
     double critical;      /* s, the limit that calx estimates for it; infinite if there is none */
+    bool unsafe;          /* calx runs it at no step, unless forced */
     double evaluations;   /* of forces per step, measured */
     double cost, spread;  /* s per evaluation: median over runs; half the interquartile range over it */
     char refused[256];    /* why it does not fit this case; "" if it does */
@@ -95,6 +96,7 @@ struct calx_report_study {
     bool temperature;
     size_t particles;
     double radius;           /* m, mean */
+    double drawing;          /* s of the clock that another draw takes */
     double duration;         /* s of the whole case; infinite if a condition alone ends it */
     double common;           /* s: a step that divides this ends all stages on time; 0: there is none */
     double own_dt, own_heat_dt; /* s, of the case; NaN if it has none that works */
@@ -298,6 +300,7 @@ struct calx_report_curve {
 struct calx_report_scale {
     double scale;      /* that errors are relative to, in the unit of the quantity */
     bool absolute;     /* nothing to be relative to: errors are in the unit */
+    bool still;        /* it does not change at all, and no solution says that it should not: no error means anything */
     double floor;      /* relative uncertainty of the reference */
     double order;      /* of the reference's extrapolation; NaN */
 };
@@ -365,6 +368,8 @@ void calx_report_print_verdict(const struct calx_report_job *, const struct calx
                                FILE *);
 /* Runs gnuplot on a script in the folder, for svg and png; *drawn false if there is no gnuplot. */
 int calx_report_draw(const char *folder, const char *script, bool *drawn, struct calx_error *);
+/* The quantity whose verdict comes at that place: those that do not change come last. */
+size_t calx_report_ranked(const struct calx_report_job *, const struct calx_report_analysis *, size_t rank);
 const char *calx_report_machine(char *text, size_t size);
 const char *calx_report_step(double seconds, char *text, size_t size);   /* 2.5 us */
 const char *calx_report_time(double seconds, char *text, size_t size);   /* 2.5 us, 12 s, 3:07 */

@@ -38,11 +38,17 @@ static bool seen(const struct calx_report_result *r, size_t q)
     return r->status == CALX_REPORT_GOOD && r->errors[q].error < 3;
 }
 
+/* What is drawn: the error; with statistics what it is at most. A zero is drawn as rounding. */
+static double height_of(const struct calx_report_job *job, const struct calx_report_result *r, size_t q)
+{
+    return fmax(calx_report_upper(&job->plan, &r->errors[q]), 1e-16);
+}
+
 static struct frame frame_of(const struct calx_report_job *job, const struct calx_report_analysis *a, size_t q)
 {
     struct frame f = {INFINITY, 0, job->study.options->target, job->study.options->target};
     for (size_t k = 0; k < a->count; k++) {
-        double x = seconds_of(job, &a->results[k]), y = a->results[k].errors[q].error;
+        double x = seconds_of(job, &a->results[k]), y = height_of(job, &a->results[k], q);
         if (!(x > 0))
             continue;
         f.left = fmin(f.left, x);
@@ -69,32 +75,35 @@ static void print_curve(const struct calx_report_job *job, const struct calx_rep
         const struct calx_report_result *r = &a->results[k];
         if (r->point->candidate != (int)c || !seen(r, q) || r->point->stiffness != 1 || r->point->heat_dt > 0)
             continue;
-        double e = fmax(r->errors[q].error, 1e-16), wide = r->errors[q].confidence;
-        fprintf(f, "%.6g %.6g %.6g %.6g\n", seconds_of(job, r), e, fmax(e - wide, e / 20), e + wide);
+        fprintf(f, "%.6g %.6g\n", seconds_of(job, r), height_of(job, r, q));
     }
     fputs("EOD\n", f);
 }
 
-/* Points beside the ladders, the front, and what failed; returns how many failed. */
-static size_t print_marks(const struct calx_report_job *job, const struct calx_report_analysis *a, size_t q,
+struct marks {
+    size_t front, failed; /* how many */
+};
+
+/* Points beside the ladders, the front, and what failed. */
+static struct marks print_marks(const struct calx_report_job *job, const struct calx_report_analysis *a, size_t q,
                         const struct frame *frame, FILE *f)
 {
+    struct marks marks = {0, 0};
     fprintf(f, "$other%zu << EOD\n", q);
     for (size_t k = 0; k < a->count; k++)
         if (seen(&a->results[k], q) && (a->results[k].point->stiffness != 1 || a->results[k].point->heat_dt > 0))
-            fprintf(f, "%.6g %.6g\n", a->results[k].seconds, fmax(a->results[k].errors[q].error, 1e-16));
+            fprintf(f, "%.6g %.6g\n", a->results[k].seconds, height_of(job, &a->results[k], q));
     fprintf(f, "EOD\n$front%zu << EOD\n", q);
     for (size_t k = 0; k < a->count; k++)
         if (a->results[k].front[q] && seen(&a->results[k], q))
-            fprintf(f, "%.6g %.6g\n", a->results[k].seconds, fmax(a->results[k].errors[q].error, 1e-16));
-    size_t failed = 0;
+            marks.front += fprintf(f, "%.6g %.6g\n", a->results[k].seconds, height_of(job, &a->results[k], q)) > 0;
     fprintf(f, "EOD\n$edge%zu << EOD\n", q);
     for (size_t k = 0; k < a->count; k++)
         if (a->results[k].status != CALX_REPORT_GOOD || (a->results[k].runs && a->results[k].errors[q].error >= 3))
-            failed += fprintf(f, "%.6g %.6g %ld\n", seconds_of(job, &a->results[k]), frame->high / 1.3,
+            marks.failed += fprintf(f, "%.6g %.6g %ld\n", seconds_of(job, &a->results[k]), frame->high / 1.3,
                     strtol(colours[a->results[k].point->candidate % STYLES] + 1, NULL, 16)) > 0;
     fputs("EOD\n", f);
-    return failed;
+    return marks;
 }
 
 /* ---- the script ---- */
@@ -112,7 +121,9 @@ static void print_axes(const struct calx_report_job *job, const struct calx_repo
     const struct calx_report_quantity *quantity = &job->study.quantities[q];
     const struct calx_report_scale *scale = &a->scales[q];
     fprintf(f, "set xrange [%.6g:%.6g]\nset yrange [%.6g:%.6g]\n", frame->left, frame->right, frame->low, frame->high);
-    fputs("set ylabel \"error of ", f);
+    bool seeds = job->plan.reference == CALX_REPORT_STATISTICS;
+    fprintf(f, "set key inside %s Left reverse invert samplen 2 spacing 1.1\n", seeds ? "right top" : "left bottom");
+    fprintf(f, "set ylabel \"error%s of ", seeds ? ", at most (95 %),": "");
     print_text(quantity->name, f);
     if (scale->absolute)
         fprintf(f, " (%s)\"\n", quantity->unit);
@@ -133,10 +144,10 @@ static void print_best(const struct calx_report_job *job, const struct calx_repo
     const struct calx_report_result *mine = calx_report_nearest(a, job->study.own, job->study.own_dt);
     if (mine && mine != best && seen(mine, q))
         fprintf(f, "set label 3 \"the step you have\" at %.6g,%.6g left offset 1.4,0.7 point pt 12 ps 2.4 lw 1.5 "
-                   "lc rgb '#000000' front font ',12' tc rgb '#444444'\n", mine->seconds, fmax(mine->errors[q].error, 1e-16));
+                   "lc rgb '#000000' front font ',12' tc rgb '#444444'\n", mine->seconds, height_of(job, mine, q));
     fprintf(f, "set label 2 \"use %s, dt = %s\" at %.6g,%.6g left offset 1.4,0.9 point pt 6 ps 2.6 lw 2 lc rgb '#000000' "
                "front font ',13'\n", job->study.candidates[best->point->candidate].plugin->name,
-            calx_report_step(best->point->dt, step, sizeof step), best->seconds, fmax(best->errors[q].error, 1e-16));
+            calx_report_step(best->point->dt, step, sizeof step), best->seconds, height_of(job, best, q));
 }
 
 static size_t curve_length(const struct calx_report_analysis *a, size_t q, size_t c)
@@ -160,7 +171,7 @@ static void print_orders(const struct calx_report_job *job, const struct calx_re
                 last = &a->results[k];
         if (last && !isnan(curve->order))
             fprintf(f, "set label %zu \"%.1f\" at %.6g,%.6g offset 0.9,0 tc rgb '%s' font ',12' front\n", 10 + c,
-                    curve->order, last->seconds, fmax(last->errors[q].error, 1e-16), colours[c % STYLES]);
+                    curve->order, last->seconds, height_of(job, last, q), colours[c % STYLES]);
     }
 }
 
@@ -170,7 +181,6 @@ static void print_plot(const struct calx_report_job *job, const struct calx_repo
                        FILE *f)
 {
     const struct calx_report_study *s = &job->study;
-    bool bars = job->plan.reference == CALX_REPORT_STATISTICS;
     fprintf(f, "plot $front%zu using 1:2 smooth unique with lines lw 11 lc rgb '#d8d8d8' title \"Pareto front\"", q);
     if (failed)
         fprintf(f, ", \\\n  $edge%zu using 1:2:3 with points pt 2 ps 1.3 lw 2 lc rgb variable "
@@ -186,8 +196,6 @@ static void print_plot(const struct calx_report_job *job, const struct calx_repo
             continue;
         if (!isnan(curve->order))
             snprintf(order, sizeof order, ", order %.1f", curve->order);
-        if (bars)
-            fprintf(f, ", \\\n  $c%zuq%zu using 1:2:3:4 with yerrorbars pt 0 lw 1 lc rgb '%s' notitle", c, q, colour);
         fprintf(f, ", \\\n  $c%zuq%zu using 1:2 with linespoints pt %d ps %.2f lw 1.6 lc rgb '%s' title \"%s%s\"", c, q,
                 shapes[c % STYLES], 0.8 + 0.15 * fmin((double)c, 5), colour, s->candidates[c].plugin->name, order);
     }
@@ -199,12 +207,13 @@ static void print_panel(const struct calx_report_job *job, const struct calx_rep
     struct frame frame = frame_of(job, a, q);
     for (size_t c = 0; c < job->study.candidate_count; c++)
         print_curve(job, a, q, c, f);
-    size_t failed = print_marks(job, a, q, &frame, f);
+    const struct marks marks = print_marks(job, a, q, &frame, f);
     fputs("unset label\nunset arrow\n", f);
     print_axes(job, a, q, &frame, f);
     print_orders(job, a, q, f);
     print_best(job, a, q, f);
-    print_plot(job, a, q, failed > 0, f);
+    if (marks.front)
+        print_plot(job, a, q, marks.failed > 0, f);
 }
 
 static void print_script(const struct calx_report_job *job, const struct calx_report_analysis *a, FILE *f)
@@ -218,7 +227,7 @@ static void print_script(const struct calx_report_job *job, const struct calx_re
                "else { set terminal pngcairo size %d,%d font 'Sans,11' background '#ffffff' }\n"
                "set output 'report.'.kind\n", columns * 900, rows * 560, columns * 900, rows * 560);
     fputs("set encoding utf8\nset logscale xy\nset format x \"10^{%L}\"\nset format y \"10^{%L}\"\nset grid lt 1 lw 0.5 lc rgb '#e4e4e4'\n"
-          "set key inside left bottom Left reverse invert samplen 2 spacing 1.1\nset datafile missing '?'\nset border lc rgb '#666666'\n"
+          "set datafile missing '?'\nset border lc rgb '#666666'\n"
           "set xlabel \"run time of what was compared (s), counted work x measured cost\"\n", f);
     if (panels > 1)
         fprintf(f, "set multiplot layout %d,%d\n", rows, columns);

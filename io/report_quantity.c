@@ -90,10 +90,10 @@ static void add_probes(struct calx_report_study *s)
         add_named(s, s->run.scene->probes[k].name, &unused);
 }
 
-/* What every chaotic case has, so that there is something to judge it by. */
+/* What every chaotic case has: probes alone may all stand still in the time that is compared. */
 static void add_means(struct calx_report_study *s)
 {
-    static const char *const means[] = {"temperature_mean", "kinetic", "dissipated", "contacts"};
+    static const char *const means[] = {"kinetic", "contacts"};
     struct calx_error unused;
     for (size_t k = 0; k < sizeof means / sizeof *means; k++)
         add_named(s, means[k], &unused);
@@ -109,7 +109,7 @@ int calx_report_quantities_choose(struct calx_report_study *s, bool statistics, 
             CALX_TRY(add_named(s, s->run.scene->exacts[k].of, error));
     else
         add_probes(s);
-    if (statistics && !s->quantity_count)
+    if (statistics && !s->options->quantities)
         add_means(s);
     if (!s->options->quantities && !s->run.scene->exact_count && !statistics) {
         if (s->axis == CALX_MOTION)

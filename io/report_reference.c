@@ -56,6 +56,7 @@ static struct calx_report_scale scale_of(const struct calx_report_study *s, cons
     struct calx_report_scale scale = {.order = NAN};
     double change = r->high - r->low;
     scale.scale = q->form == CALX_REPORT_PATHS ? s->radius : change > 1e-3 * r->largest ? change : r->largest;
+    scale.still = !(change > 0) && !q->exact;
     scale.absolute = !(scale.scale > 0) || !isfinite(scale.scale);
     if (scale.absolute)
         scale.scale = 1;

@@ -125,6 +125,7 @@ int calx_report_run_go(struct calx_report_study *s, const struct calx_report_rec
 {
     *run = (struct calx_report_run){.recipe = *recipe, .coldest = INFINITY, .hottest = -INFINITY};
     CALX_TRY(allocate(s, run, error));
+    double begin = calx_terminal_clock();
     const struct calx_scene *from = calx_report_study_scene(s, recipe->draw, error);
     if (!from)
         return error->code;
@@ -132,7 +133,6 @@ int calx_report_run_go(struct calx_report_study *s, const struct calx_report_rec
     if (!scene)
         return calx_error_set(error, CALX_ERROR_MEMORY, "out of memory");
     struct calx_error why = {0};
-    double begin = calx_terminal_clock();
     struct calx_sim *sim = calx_sim_create(scene, s->run.registry, s->options->threads, &why);
     run->setup = calx_terminal_clock() - begin;
     int code = CALX_OK;

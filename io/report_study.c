@@ -161,11 +161,27 @@ int calx_report_limit(struct calx_report_study *s, const struct calx_report_reci
     return CALX_OK;
 }
 
+/* An integrator without a limit runs at any step, or (limit 0) at none: a very small one shows which. */
+static int look_for_safety(struct calx_report_study *s, size_t c, struct calx_error *error)
+{
+    const struct calx_report_recipe recipe = {.candidate = (int)c, .dt = s->own_dt / 64, .stiffness = 1, .damping = 1};
+    struct calx_scene *scene = calx_report_variant_create(s, s->run.scene, &recipe);
+    struct calx_error why = {0};
+    if (!scene)
+        return out_of_memory(error);
+    struct calx_sim *sim = calx_sim_create(scene, s->run.registry, s->options->threads, &why);
+    s->candidates[c].unsafe = !sim;
+    calx_sim_free(sim);
+    calx_report_variant_free(scene);
+    return CALX_OK;
+}
+
 static int find_limit(struct calx_report_study *s, size_t c, struct calx_error *error)
 {
     struct calx_report_candidate *candidate = &s->candidates[c];
     const struct calx_report_recipe recipe = {.candidate = (int)c, .stiffness = 1, .damping = 1};
-    return calx_report_limit(s, &recipe, &candidate->critical, candidate->refused, sizeof candidate->refused, error);
+    CALX_TRY(calx_report_limit(s, &recipe, &candidate->critical, candidate->refused, sizeof candidate->refused, error));
+    return isfinite(candidate->critical) || candidate->refused[0] ? CALX_OK : look_for_safety(s, c, error);
 }
 
 static int find_limits(struct calx_report_study *s, struct calx_error *error)
@@ -229,10 +245,12 @@ const struct calx_scene *calx_report_study_scene(struct calx_report_study *s, in
 /* Whether random numbers make a difference to where bodies start. */
 static int look_at_draws(struct calx_report_study *s, struct calx_error *error)
 {
+    double begin = calx_terminal_clock();
     s->random = true;
     const struct calx_scene *other = calx_report_study_scene(s, 1, error);
     if (!other)
         return error->code;
+    s->drawing = calx_terminal_clock() - begin;
     s->random = !same_start(&s->run.scene->particles, &other->particles);
     return CALX_OK;
 }

@@ -109,6 +109,18 @@ static void print_own(const struct calx_report_job *job, const struct calx_repor
         fprintf(file, " The step you have (%s, %s) is right.", name, step);
 }
 
+size_t calx_report_ranked(const struct calx_report_job *job, const struct calx_report_analysis *a, size_t rank)
+{
+    size_t moving = 0, still = 0, n = job->study.quantity_count;
+    for (size_t q = 0; q < n; q++)
+        if (!a->scales[q].still && moving++ == rank)
+            return q;
+    for (size_t q = 0; q < n; q++)
+        if (a->scales[q].still && moving + still++ == rank)
+            return q;
+    return 0;
+}
+
 void calx_report_print_verdict(const struct calx_report_job *job, const struct calx_report_analysis *a, size_t q,
                                FILE *file)
 {
@@ -119,6 +131,10 @@ void calx_report_print_verdict(const struct calx_report_job *job, const struct c
     char target[32], wanted[32], step[32], error[32], time[32];
     calx_report_percent(s->options->target, absolute, quantity->unit, wanted, sizeof wanted);
     calx_report_percent(v->target, absolute, quantity->unit, target, sizeof target);
+    if (a->scales[q].still) {
+        fprintf(file, "%s does not change in the %.3g s that were compared.\n", quantity->name, job->plan.window);
+        return;
+    }
     if (!v->best) {
         fprintf(file, "No run that calx would make gave an error of %s in the %.3g s that were compared.\n",
                 quantity->name, job->plan.window);

@@ -35,15 +35,16 @@ static double step_of(const struct calx_report_point *p)
 static bool allowed(const struct calx_report_study *s, const struct calx_report_point *p)
 {
     double soft = p->stiffness < 1 ? 1 / sqrt(p->stiffness) : 1;
-    return p->dt <= s->candidates[p->candidate].critical * soft;
+    return !s->candidates[p->candidate].unsafe && p->dt <= s->candidates[p->candidate].critical * soft;
 }
 
 /* The error that can be promised: no less than the reference is uncertain. */
 static double promised(const struct calx_report_job *job, const struct calx_report_analysis *a,
                        const struct calx_report_result *r, size_t q)
 {
-    bool good = r->status == CALX_REPORT_GOOD && allowed(&job->study, r->point);
-    return good ? fmax(calx_report_upper(&job->plan, &r->errors[q]), a->scales[q].floor) : NAN;
+    double upper = calx_report_upper(&job->plan, &r->errors[q]);
+    bool good = r->status == CALX_REPORT_GOOD && allowed(&job->study, r->point) && !isnan(upper) && !a->scales[q].still;
+    return good ? fmax(upper, a->scales[q].floor) : NAN;
 }
 
 static bool within(const struct calx_report_job *job, const struct calx_report_analysis *a,
