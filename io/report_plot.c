@@ -61,7 +61,7 @@ static struct frame frame_of(const struct calx_report_job *job, const struct cal
     f.low = fmax(f.low, 1e-16) / 2;
     f.high = pow(10, ceil(log10(f.high * 2)));
     f.left /= 1.6;
-    f.right *= 3;
+    f.right *= 5;
     return f;
 }
 
@@ -122,7 +122,7 @@ static void print_axes(const struct calx_report_job *job, const struct calx_repo
     const struct calx_report_scale *scale = &a->scales[q];
     fprintf(f, "set xrange [%.6g:%.6g]\nset yrange [%.6g:%.6g]\n", frame->left, frame->right, frame->low, frame->high);
     bool seeds = job->plan.reference == CALX_REPORT_STATISTICS;
-    fprintf(f, "set key inside %s Left reverse invert samplen 2 spacing 1.1\n", seeds ? "right top" : "left bottom");
+    fprintf(f, "set key inside %s Left reverse invert opaque samplen 2 spacing 1.1\n", seeds ? "right top" : "left bottom");
     fprintf(f, "set ylabel \"error%s of ", seeds ? ", at most (95 %),": "");
     print_text(quantity->name, f);
     if (scale->absolute)
@@ -131,23 +131,36 @@ static void print_axes(const struct calx_report_job *job, const struct calx_repo
         fprintf(f, " (relative to %.3g %s)\"\n", scale->scale, strcmp(quantity->unit, "1") ? quantity->unit : "");
     fprintf(f, "set arrow 1 from graph 0, first %.6g to graph 1, first %.6g nohead dt 3 lc rgb '#888888' back\n",
             job->study.options->target, job->study.options->target);
-    fprintf(f, "set label 1 \"target\" at graph 0.01, first %.6g offset 0,0.5 tc rgb '#666666' font ',11'\n",
+    fprintf(f, "set label 1 \"target\" at graph 0.015, first %.6g offset 0,0.5 tc rgb '#666666' font ',11'\n",
             job->study.options->target);
 }
 
-static void print_best(const struct calx_report_job *job, const struct calx_report_analysis *a, size_t q, FILE *f)
+/* A mark with its words above it to the right, where no falling curve goes; near the right edge the words end there. */
+static void print_mark(int label, const char *words, double x, double y, const struct frame *frame, const char *mark,
+                       FILE *f)
+{
+    const double letter = 0.0145; /* of the width of a panel */
+    bool edge = log(x / frame->left) / log(frame->right / frame->left) > 1 - letter * (double)strlen(words);
+    fprintf(f, "set label %d \"\" at %.6g,%.6g point %s lc rgb '#000000' front\n", label, x, y, mark);
+    if (edge)
+        fprintf(f, "set label %d \"%s\" at graph 0.985, first %.6g right offset 0,2.4 front\n", label + 1, words, y);
+    else
+        fprintf(f, "set label %d \"%s\" at %.6g,%.6g left offset 1.4,0.9 front\n", label + 1, words, x, y);
+}
+
+static void print_best(const struct calx_report_job *job, const struct calx_report_analysis *a, size_t q,
+                       const struct frame *frame, FILE *f)
 {
     const struct calx_report_result *best = a->verdicts[q].best;
-    char step[32];
+    const struct calx_report_result *mine = calx_report_nearest(a, job->study.own, job->study.own_dt);
+    char step[32], words[160];
+    if (mine && mine != best && seen(mine, q))
+        print_mark(4, "the step you have", mine->seconds, height_of(job, mine, q), frame, "pt 12 ps 2.4 lw 1.5", f);
     if (!best)
         return;
-    const struct calx_report_result *mine = calx_report_nearest(a, job->study.own, job->study.own_dt);
-    if (mine && mine != best && seen(mine, q))
-        fprintf(f, "set label 3 \"the step you have\" at %.6g,%.6g left offset 1.4,0.7 point pt 12 ps 2.4 lw 1.5 "
-                   "lc rgb '#000000' front font ',12' tc rgb '#444444'\n", mine->seconds, height_of(job, mine, q));
-    fprintf(f, "set label 2 \"use %s, dt = %s\" at %.6g,%.6g left offset 1.4,0.9 point pt 6 ps 2.6 lw 2 lc rgb '#000000' "
-               "front font ',13'\n", job->study.candidates[best->point->candidate].plugin->name,
-            calx_report_step(best->point->dt, step, sizeof step), best->seconds, height_of(job, best, q));
+    snprintf(words, sizeof words, "use %s, dt = %s", job->study.candidates[best->point->candidate].plugin->name,
+             calx_report_step(best->point->dt, step, sizeof step));
+    print_mark(2, words, best->seconds, height_of(job, best, q), frame, "pt 6 ps 2.6 lw 2", f);
 }
 
 static size_t curve_length(const struct calx_report_analysis *a, size_t q, size_t c)
@@ -211,7 +224,7 @@ static void print_panel(const struct calx_report_job *job, const struct calx_rep
     fputs("unset label\nunset arrow\n", f);
     print_axes(job, a, q, &frame, f);
     print_orders(job, a, q, f);
-    print_best(job, a, q, f);
+    print_best(job, a, q, &frame, f);
     if (marks.front)
         print_plot(job, a, q, marks.failed > 0, f);
 }
