@@ -36,8 +36,8 @@ static int try_out(struct calx_report_job *job, struct calx_error *error)
         recipe.window = fmin(s->duration, steps * s->own_dt);
         int code = calx_report_run_go(s, &recipe, INFINITY, &run, error);
         job->setup = run.setup;
-        job->cost = run.wall / (double)(run.evaluations ? run.evaluations : 1);
-        bool enough = run.wall > TRIAL * s->options->budget || recipe.window >= s->duration || steps > 1e7;
+        job->cost = run.seconds / (double)(run.evaluations ? run.evaluations : 1);
+        bool enough = run.seconds > TRIAL * s->options->budget || recipe.window >= s->duration || steps > 1e7;
         bool stopped = run.status != CALX_REPORT_GOOD;
         snprintf(error->text, sizeof error->text, "%s", run.why);
         calx_report_run_clear(&run);

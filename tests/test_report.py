@@ -159,10 +159,13 @@ class Errors(InFolder):
     def test_softer_contacts_and_heat_steps_join(self):
         report = self.report(accuracy("linear"), "--soften", "4,100", "--integrators", "velocity-verlet", "--budget", "20s")
         self.assertEqual({p["stiffness_factor"] for p in report["points"]}, {1, 0.25, 0.01})
-        # A contact with a quarter of the stiffness lasts 0.58 ms, past the end of the case: from 0.4 to 0.6 ms the velocity goes from
-        # 0.03 to 0.46 m/s, where 0.5 is right, with whatever step. With a hundredth it still falls.
-        self.assertTrue(all(p["errors"]["rebound"][0] > 0.3 for p in report["points"]
-                            if p["stiffness_factor"] < 1 and p["errors"]["rebound"]))
+        # A hundredth of the stiffness: from 0.4 to 0.6 ms the velocity is still -0.5 cos(w' t'), w' t' from 0.328 to 0.546, where 0.5
+        # is right: errors between 1.855 and 1.947. A quarter: w' t' from 1.64 to 2.73, errors from 0.93 down to 0.08.
+        for factor, least, most in ((0.01, 1.855, 1.947), (0.25, 0.4, 0.7)):
+            errors = [p["errors"]["rebound"][0] for p in report["points"] if p["stiffness_factor"] == factor and p["dt"] < 1e-5]
+            self.assertGreater(len(errors), 2)
+            self.assertGreater(min(errors), least)
+            self.assertLess(max(errors), most)
         report = self.report(os.path.join(ROOT, "cases", "05-hot-heap"), "--set", "stage[1]/for=2 ms", "--set", "stage[2]/for=2 ms", "--heat-steps", "1e-4..4e-4",
                              "--integrators", "velocity-verlet", "--budget", "20s", name="heat")
         heat_steps = sorted({p["heat_dt"] for p in report["points"]} - {None})
@@ -254,8 +257,18 @@ class Interrupted(InFolder):
 
 
 class Budget(InFolder):
+    def report(self, case, *words, **options):
+        """A machine that stands still for a while uses up a budget: up to three attempts."""
+        for attempt in range(3):
+            try:
+                return super().report(case, *words, **options)
+            except AssertionError as error:
+                if attempt == 2 or not ("out of time" in str(error) or "budget" in str(error)):
+                    raise
+        raise AssertionError("unreachable")
+
     def test_planned_work_is_within_the_budget_and_kept(self):
-        for budget in (2, 10):
+        for budget in (5, 20):
             with self.subTest(budget=budget):
                 report = self.report(DRUM, "--budget", f"{budget}s", name=str(budget))
                 self.assertLessEqual(report["planned_seconds"], budget)
@@ -266,7 +279,7 @@ class Budget(InFolder):
                 self.assertLessEqual(report["window"], report["duration"])
 
     def test_more_budget_compares_more(self):
-        small, large = (self.report(DRUM, "--budget", b, name=b) for b in ("2s", "12s"))
+        small, large = (self.report(DRUM, "--budget", b, name=b) for b in ("4s", "20s"))
         self.assertLess(small["planned_evaluations"], large["planned_evaluations"])
 
 
@@ -275,7 +288,7 @@ class Statistics(InFolder):
     def setUpClass(cls):
         cls.made = tempfile.mkdtemp(prefix="calx-report-")
         cls.addClassCleanup(shutil.rmtree, cls.made)
-        done = calx("report", DRUM, *SHORT_DRUM, "--seeds", "4", "--budget", "60s", "--json", "--quiet", "--threads", "1", "--out",
+        done = calx("report", DRUM, *SHORT_DRUM, "--seeds", "4", "--budget", PLENTY, "--json", "--quiet", "--threads", "1", "--out",
                     os.path.join(cls.made, "drum"))
         assert done.returncode == 0, done.stderr
         cls.drum = json.loads(done.stdout)
@@ -284,7 +297,7 @@ class Statistics(InFolder):
         self.assertEqual(self.drum["reference"], "statistics")
         self.assertLess(self.drum["decorrelation"], self.drum["window"])
         self.assertNotIn("paths", [v["quantity"] for v in self.drum["verdicts"]])
-        paths = self.report(DRUM, *SHORT_DRUM, "--quantity", "paths", "--integrators", "velocity-verlet", "--budget", "20s")
+        paths = self.report(DRUM, *SHORT_DRUM, "--quantity", "paths", "--integrators", "velocity-verlet", "--budget", PLENTY)
         self.assertEqual(paths["reference"], "converged")
         self.assertLessEqual(paths["window"], paths["decorrelation"] * (1 + 1e-9))
 
