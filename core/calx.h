@@ -36,6 +36,7 @@ bool calx_sim_done(const struct calx_sim *);    /* the last stage has ended */
 double calx_sim_time(const struct calx_sim *);  /* s */
 double calx_sim_end(const struct calx_sim *);   /* s, the latest end of the last stage; infinite if only a condition ends it */
 int64_t calx_sim_step_count(const struct calx_sim *);
+int64_t calx_sim_evaluation_count(const struct calx_sim *); /* of all forces, since the simulation was made: the work */
 size_t calx_sim_particle_count(const struct calx_sim *);
 size_t calx_sim_contact_count(const struct calx_sim *);
 double calx_sim_dt(const struct calx_sim *);

@@ -54,6 +54,7 @@ static void free_lists(struct calx_scene *scene)
     free(scene->stages);
     free(scene->probes);
     free(scene->expects);
+    free(scene->exacts);
 }
 
 void calx_scene_free(struct calx_scene *scene)

@@ -180,6 +180,15 @@ struct calx_expect {
     struct calx_place place;
 };
 
+/* A solution that is known: what the quantity is at any time from `from` on. `calx report` measures errors against it. */
+struct calx_exact {
+    char of[64]; /* a probe or a column of the CSV */
+    struct calx_function value; /* of t, SI */
+    double from;                /* s */
+    char source[256];
+    struct calx_place place;
+};
+
 struct calx_scene {
     char *title;
     char *file;      /* path of the case file */
@@ -208,6 +217,8 @@ struct calx_scene {
     struct calx_probe *probes;
     size_t expect_count;
     struct calx_expect *expects;
+    size_t exact_count;
+    struct calx_exact *exacts;
     size_t attachment_count;
     struct calx_attachment { void *what; void (*release)(void *); } *attachments;
     size_t file_count;

@@ -134,6 +134,11 @@ int64_t calx_sim_step_count(const struct calx_sim *s)
     return s->step;
 }
 
+int64_t calx_sim_evaluation_count(const struct calx_sim *s)
+{
+    return s->evaluations;
+}
+
 size_t calx_sim_particle_count(const struct calx_sim *s)
 {
     return s->n;

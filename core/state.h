@@ -176,6 +176,7 @@ struct calx_sim {
     double checked;             /* s: when the stage's condition was looked at */
     double held;                /* s: for how long the stage's condition holds */
     int64_t step, stage_step;
+    int64_t evaluations;        /* of forces, since the simulation was made */
     int stage;
     bool done, stage_began;
     bool ahead;                 /* the kernels before the next evaluation have run: only inside calx_sim_advance */

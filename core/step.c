@@ -98,6 +98,7 @@ int calx_step_forces(struct calx_sim *s, const struct calx_pass *pass, struct ca
 {
     CALX_TRY(keep_lists(s, e));
     sweep(s, pass);
+    s->evaluations++;
     if (s->features.wall_contacts && !s->trial)
         swap_wall_contacts(s);
     return 0;

@@ -54,15 +54,16 @@ static void read_document(struct calx_reader *r, const struct calx_setting *sett
     calx_case_read_particles(r);
     calx_case_read_output(r);
     calx_case_read_expects(r);
+    calx_case_read_exacts(r);
     calx_case_check_scene(r);
 }
 
 static struct calx_scene *read_file(const char *path, struct calx_registry *registry,
                                     const struct calx_setting *settings, size_t setting_count,
-                                    struct calx_problems *problems)
+                                    uint64_t draw, struct calx_problems *problems)
 {
     struct calx_reader r = {
-        .scene = calx_scene_create(), .registry = registry, .problems = problems};
+        .scene = calx_scene_create(), .registry = registry, .problems = problems, .draw = draw};
     if (!r.scene || !name_scene(r.scene, path)) {
         calx_problems_add(problems, (struct calx_place){path, 0}, "no memory");
         return r.scene;
@@ -78,14 +79,22 @@ static struct calx_scene *read_file(const char *path, struct calx_registry *regi
     return r.scene;
 }
 
-struct calx_scene *calx_case_read(const char *path, struct calx_registry *registry,
-                                  const struct calx_setting *settings, size_t setting_count,
-                                  struct calx_problems *problems)
+struct calx_scene *calx_case_read_draw(const char *path, struct calx_registry *registry,
+                                       const struct calx_setting *settings, size_t setting_count,
+                                       uint64_t draw, struct calx_problems *problems)
 {
-    struct calx_scene *scene = read_file(path, registry, settings, setting_count, problems);
+    struct calx_scene *scene =
+        read_file(path, registry, settings, setting_count, draw, problems);
     calx_problems_sort(problems);
     if (!problems->count)
         return scene;
     calx_scene_free(scene);
     return NULL;
+}
+
+struct calx_scene *calx_case_read(const char *path, struct calx_registry *registry,
+                                  const struct calx_setting *settings, size_t setting_count,
+                                  struct calx_problems *problems)
+{
+    return calx_case_read_draw(path, registry, settings, setting_count, 0, problems);
 }

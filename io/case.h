@@ -28,4 +28,9 @@ struct calx_scene *calx_case_read(const char *path, struct calx_registry *,
                                   const struct calx_setting *settings, size_t setting_count,
                                   struct calx_problems *);
 
+/* The same with another draw of all random numbers: draw 0 is that of the file's seeds. */
+struct calx_scene *calx_case_read_draw(const char *path, struct calx_registry *,
+                                       const struct calx_setting *settings, size_t setting_count,
+                                       uint64_t draw, struct calx_problems *);
+
 #endif

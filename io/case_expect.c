@@ -169,3 +169,59 @@ void calx_case_read_expects(struct calx_reader *r)
          node = calx_case_next(node, "expect"))
         read_expect(r, node);
 }
+
+/* ---- exact solutions ---- */
+
+/* One with a tolerance is an expectation as well. */
+static void expect_exact(struct calx_reader *r, const xmlNode *node, const struct calx_exact *exact,
+                         const char *unit)
+{
+    double rtol = calx_case_number(r, node, "rtol"),
+           atol = calx_case_number_in(r, node, "atol", unit, true);
+    if (isnan(rtol) && isnan(atol))
+        return;
+    struct calx_expect *expect =
+        calx_case_append(r, &r->scene->expects, &r->scene->expect_count, sizeof *r->scene->expects);
+    if (!expect)
+        return;
+    expect->when = exact->from > 0 ? CALX_AT_END : CALX_ALWAYS;
+    expect->has_value = true;
+    expect->value = exact->value;
+    expect->rtol = isnan(rtol) ? 0 : rtol;
+    expect->atol = isnan(atol) ? 0 : atol;
+    expect->above = expect->below = NAN;
+    expect->place = exact->place;
+    memcpy(expect->of, exact->of, sizeof expect->of);
+    memcpy(expect->source, exact->source, sizeof expect->source);
+}
+
+static void read_exact(struct calx_reader *r, const xmlNode *node)
+{
+    struct calx_exact exact = {.place = calx_case_place(r, node), .source = "exact"};
+    struct calx_expect named = {0};
+    const char *source = calx_case_given(node, "source"), *unit = read_of(r, node, &named);
+    memcpy(exact.of, named.of, sizeof exact.of);
+    for (size_t k = 0; unit && k < r->scene->exact_count; k++)
+        if (strcmp(r->scene->exacts[k].of, exact.of) == 0)
+            calx_case_fail(r, node, "of", "'%s' has an exact solution already, on line %d",
+                           exact.of, r->scene->exacts[k].place.line);
+    exact.from = calx_case_number(r, node, "from");
+    if (source)
+        snprintf(exact.source, sizeof exact.source, "%.255s", source);
+    if (!unit || !calx_case_given(node, "value") ||
+        !calx_case_function_in(r, node, "value", unit, false, &exact.value))
+        return;
+    struct calx_exact *kept =
+        calx_case_append(r, &r->scene->exacts, &r->scene->exact_count, sizeof *r->scene->exacts);
+    if (!kept)
+        return;
+    *kept = exact;
+    expect_exact(r, node, kept, unit);
+}
+
+void calx_case_read_exacts(struct calx_reader *r)
+{
+    for (const xmlNode *node = calx_case_first(r->root, "exact"); node;
+         node = calx_case_next(node, "exact"))
+        read_exact(r, node);
+}

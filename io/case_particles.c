@@ -16,6 +16,7 @@
 
 /* Streams of different elements are apart by odd multiples of 2^64 over the golden ratio. */
 #define SEED_STEP 0x9e3779b97f4a7c15u
+#define DRAW_STEP 0xd1342543de82ef95u /* large and odd: draws do not meet seeds that a person would write */
 
 const xmlNode *calx_case_bearer(const xmlNode *node, const char *name)
 {
@@ -97,6 +98,7 @@ static uint64_t group_seed(struct calx_reader *r, const xmlNode *node, uint64_t 
                             : calx_case_given(node->parent, "seed") ? node->parent
                                                                     : NULL;
     uint64_t seed = bearer ? (uint64_t)calx_case_whole(r, bearer, "seed") : r->scene->seed;
+    seed += DRAW_STEP * r->draw;
     return own ? seed : seed + SEED_STEP * ordinal;
 }
 

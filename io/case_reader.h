@@ -29,6 +29,7 @@ struct calx_reader {
     bool plugin_missing; /* some could not be loaded: unknown parameters are then no further mistake
                           */
     unsigned char *uses; /* of each material: enum calx_case_use */
+    uint64_t draw;       /* of random numbers: added to every seed, in large steps */
     int32_t surface_count; /* smooth surfaces of walls so far; numbers are unique in the scene */
 };
 
@@ -149,6 +150,7 @@ void calx_case_read_gravity(struct calx_reader *, const xmlNode *, struct calx_f
 const char *calx_case_needed_choice(const struct calx_measure *);
 void calx_case_read_output(struct calx_reader *);
 void calx_case_read_expects(struct calx_reader *);
+void calx_case_read_exacts(struct calx_reader *);
 
 /* The index of the stage that the attribute names; -1 if it is not given or there is no such stage
  * (a problem). */

@@ -8,6 +8,6 @@
 #include "io/options.h"
 
 extern const struct calx_command calx_command_run, calx_command_check, calx_command_verify,
-    calx_command_bench, calx_command_plugins, calx_command_schema;
+    calx_command_bench, calx_command_plugins, calx_command_report, calx_command_schema;
 
 #endif

@@ -260,6 +260,28 @@ static const struct calx_element expect = {"expect", "expect",
                                            "add up: |got - value| <= rtol |value| + atol.",
                                            ATTRIBUTES(expect_attributes)};
 
+static const struct calx_attribute exact_attributes[] = {
+    {"of", NAME, NULL, NULL, NULL, NEEDED,
+     "a probe, a column of the CSV or a quantity of the whole scene"},
+    {"value", VARIES, NULL, "t", NULL, -INFINITY, INFINITY, REQUIRED,
+     "the solution, a number or an expression of t"},
+    {"from", QUANTITY, "s", NULL, "0", NOT_NEGATIVE,
+     "the solution holds from this time on, as after a collision"},
+    {"rtol", QUANTITY, "1", NULL, NULL, NOT_NEGATIVE,
+     "with rtol or atol it is an expectation too: at every line of the CSV, or at the end if "
+     "`from` is given"},
+    {"atol", QUANTITY, NULL, NULL, NULL, 0, INFINITY, CALX_ATTRIBUTE_DIFFERENCE,
+     "tolerance in the unit of the quantity"},
+    {"where", TEXT, NULL, NULL, NULL, NO_RANGE,
+     "constants for the expression: \"a = 1; b = 2*a\""},
+    {"source", TEXT, NULL, NULL, NULL, NO_RANGE, "where the solution comes from"},
+};
+static const struct calx_element exact = {
+    "exact", "exact",
+    "A solution that is known. `calx report` measures the error of every integrator and time step "
+    "against it.",
+    ATTRIBUTES(exact_attributes)};
+
 /* ---- the whole
  * ----------------------------------------------------------------------------------------- */
 
@@ -283,7 +305,8 @@ static const struct calx_child case_children[] = {{&material, '+'},
                                                   {&stage, '+'},
                                                   {&output, '?'},
                                                   {&probe, '*'},
-                                                  {&expect, '*'}};
+                                                  {&expect, '*'},
+                                                  {&exact, '*'}};
 static const struct calx_element case_element = {
     "case", "case",
     "The whole case. The order of the elements inside does not matter, except among stages and "

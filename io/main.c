@@ -13,7 +13,8 @@
 
 static const struct calx_command *const commands[] = {
     &calx_command_run,     &calx_command_check,  &calx_command_verify,
-    &calx_command_bench,   &calx_command_plugins, &calx_command_schema,
+    &calx_command_report,  &calx_command_bench,  &calx_command_plugins,
+    &calx_command_schema,
 };
 
 enum { COMMANDS = sizeof commands / sizeof commands[0], EXIT_USAGE = 2 };

@@ -23,6 +23,10 @@ struct calx_arguments {
     int thread_list[CALX_OPTIONS_THREADS]; /* of --threads 1,2 */
     int64_t steps, warm;                   /* 0 and -1: not given */
     bool force, resume, quiet, reference, json, help;
+    const char *integrators, *step_range, *heat_range, *soften, *quantities; /* of report */
+    double target, budget; /* 0: not given; budget in s */
+    int seeds;             /* 0: not given */
+    bool stability;
     size_t setting_count;
     struct calx_setting *settings; /* owned; the paths are copies */
     size_t operand_count;
@@ -48,6 +52,11 @@ struct calx_command {
 extern const struct calx_option calx_option_set, calx_option_out, calx_option_threads,
     calx_option_resume, calx_option_quiet, calx_option_force, calx_option_check, calx_option_reference,
     calx_option_thread_list, calx_option_steps, calx_option_warm, calx_option_json;
+
+/* Those of calx report (options_report.c). */
+extern const struct calx_option calx_option_integrators, calx_option_step_range,
+    calx_option_heat_range, calx_option_soften, calx_option_quantity, calx_option_target,
+    calx_option_seeds, calx_option_stability, calx_option_budget, calx_option_report_json;
 
 /* Fills *arguments from argv[1..]. CALX_ERROR_INPUT for what the command does not know, with the
  * nearest name. The caller clears *arguments in any case. */

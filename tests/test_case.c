@@ -225,6 +225,11 @@ START_TEST(test_results)
     ck_assert(e[2].when == CALX_ALWAYS && at_time(&e[2].value, 0) == 24);
     ck_assert(e[3].when == CALX_CHANGE && at_time(&e[3].value, 0) == 0);
     EQUAL(e[3].atol, 0.001);
+    ck_assert_uint_eq(scene->exact_count, 1);
+    ck_assert_str_eq(scene->exacts[0].of, "top");
+    EQUAL(at_time(&scene->exacts[0].value, 3), 273.15 + 26);
+    EQUAL(scene->exacts[0].from, 0.005);
+    ck_assert_str_eq(scene->exacts[0].source, "a line");
 }
 END_TEST
 
