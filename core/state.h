@@ -352,9 +352,6 @@ void calx_walls_begin_stage(struct calx_sim *);
 /* To time t from t - dt; s->lag: of the evaluation to come. */
 void calx_walls_move(struct calx_sim *, double t, double dt);
 void calx_walls_velocity(const struct calx_sim *, int wall, const double at[3], double out[3]);
-/* At the moment that the velocities of the grains belong to, of what was then under the grain that now touches `at` and moves with `carried`. */
-void calx_walls_past_velocity(const struct calx_sim *, int wall, const double at[3], const double carried[3],
-                              double out[3]);
 struct calx_touch { double distance, normal[3], point[3]; bool end; };
 void calx_surface_nearest(const struct calx_primitive *, uint32_t dimension, const double x[3], struct calx_touch *);
 

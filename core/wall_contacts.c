@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "core/columns.h"
+#include "core/surface.h"
 
 enum { NEAR_MAX = 64 }; /* primitives near one grain */
 #define NOWHERE SIZE_MAX   /* slot of a contact that has ended */
@@ -99,15 +100,17 @@ static size_t collect(const struct calx_sim *s, const struct calx_row_block *b, 
     const double *x = calx_row_x(s, row);
     *count = 0;
     for (; at < b->near_first + b->near_count && s->near_row[at] == row; at++) {
-        struct candidate k = {.primitive = s->near_primitive[at]};
-        calx_surface_nearest(&s->posed[k.primitive].p, s->scene->dimension, x, &k.touch);
-        if (k.touch.distance >= 2.0 * x[3] + s->plan->gap) /* neither touches nor did a step ago */
+        struct candidate extra, *k = *count < NEAR_MAX ? &list[*count] : &extra;
+        k->primitive = s->near_primitive[at];
+        calx_surface_touch(&s->posed[k->primitive].p, s->scene->dimension, x, &k->touch);
+        if (k->touch.distance >= 2.0 * x[3] + s->plan->gap) /* neither touches nor did a step ago */
             continue;
-        bool full = *count == NEAR_MAX;
-        size_t to = full ? farthest(list) : (*count)++;
-        k.surface = surface_of(s, k.primitive);
-        if (!full || k.touch.distance < list[to].touch.distance)
-            list[to] = k;
+        k->surface = surface_of(s, k->primitive);
+        k->dropped = false;
+        if (k != &extra)
+            ++*count;
+        else if (k->touch.distance < list[farthest(list)].touch.distance)
+            list[farthest(list)] = extra;
     }
     return at;
 }
@@ -127,9 +130,10 @@ static void fill_lane(struct wall_batch *w, int32_t row, const struct candidate 
     size_t lane = c->n++;
     const double *x = calx_row_x(s, row), *v = calx_row_v(s, row);
     int wall = s->posed[k->primitive].wall;
+    const struct calx_pose *pose = &s->poses[wall];
     double past[3], *now = w->point_velocity[lane];
-    calx_walls_velocity(s, wall, k->touch.point, now);
-    calx_walls_past_velocity(s, wall, k->touch.point, v, past);
+    calx_surface_velocity(pose->speed, pose->spin, k->touch.point, now);
+    calx_surface_past_velocity(pose, k->touch.point, v, past);
     const double *seen = w->dt != 0.0 ? past : now; /* as the grains' own velocities */
     double depth = x[3] - k->touch.distance;
     c->overlap[lane] = depth;
@@ -298,7 +302,8 @@ static void process_particle(struct wall_batch *w, int32_t row, struct candidate
     struct calx_sim *s = w->s;
     double reach = calx_row_x(s, row)[3] + s->plan->gap;
     uint64_t taken = 0;
-    drop_duplicates(s, list, count);
+    if (count > 1)
+        drop_duplicates(s, list, count);
     for (size_t k = 0; k < count; k++) {
         if (list[k].dropped || list[k].touch.distance >= reach)
             continue;

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/state.h"
+#include "core/surface.h"
 
 static void cross(const double a[3], const double b[3], double out[3])
 {
@@ -220,20 +220,5 @@ void calx_walls_move(struct calx_sim *s, double t, double dt)
 
 void calx_walls_velocity(const struct calx_sim *s, int wall, const double at[3], double out[3])
 {
-    const struct calx_pose *p = &s->poses[wall];
-    cross(p->spin, at, out);
-    for (int k = 0; k < 3; k++)
-        out[k] += p->speed[k];
-}
-
-void calx_walls_past_velocity(const struct calx_sim *s, int wall, const double at[3], const double carried[3],
-                              double out[3])
-{
-    const struct calx_pose *p = &s->poses[wall];
-    double there[3];
-    for (int k = 0; k < 3; k++)
-        there[k] = at[k] - p->ago * carried[k];
-    cross(p->past_spin, there, out);
-    for (int k = 0; k < 3; k++)
-        out[k] += p->past_speed[k];
+    calx_surface_velocity(s->poses[wall].speed, s->poses[wall].spin, at, out);
 }
