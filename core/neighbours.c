@@ -200,17 +200,14 @@ static int list_contributions(struct calx_rebuild *r)
     for (size_t b = 0; !failed && b < r->blocks; b++) {
         r->new_blocks[b].collect_first = at[b];
         r->new_blocks[b].collect_count = at[b + 1];
-        r->new_blocks[b].earliest = b;
         at[b + 1] += at[b];
     }
     for (size_t b = 0; !failed && b < r->blocks; b++)
         for (size_t g = 0; g < r->local[b].ghosts; g++) {
             int32_t row = r->new_blocks[b].first + r->new_blocks[b].own + (int32_t)g;
             size_t to = at[(size_t)r->local[b].ghost[g] / CALX_BLOCK]++;
-            struct calx_row_block *target = &r->new_blocks[(size_t)r->local[b].ghost[g] / CALX_BLOCK];
             s->collect_to[to] = r->rows.source[row];
             s->collect_from[to] = row;
-            target->earliest = b < target->earliest ? b : target->earliest;
         }
     free(at);
     return failed;
@@ -272,28 +269,6 @@ static void clear(struct calx_rebuild *r, size_t lists)
         free(all[k]);
 }
 
-/* What a block costs in a step, in units of a pair that is evaluated. */
-static size_t block_work(const struct calx_sim *s, const struct calx_row_block *b)
-{
-    size_t work = (size_t)(b->own + b->ghosts) + 2 * b->near_count;
-    for (size_t g = b->group_first; g < b->group_first + b->group_count; g++)
-        work += s->groups[g].count;
-    return work;
-}
-
-void calx_neighbours_team(struct calx_sim *s)
-{
-    size_t total = 0, done = 0, team = (size_t)s->threads < s->block_count ? (size_t)s->threads : s->block_count;
-    for (size_t b = 0; b < s->block_count; b++)
-        total += block_work(s, &s->blocks[b]);
-    s->team = (int)team;
-    for (size_t b = 0, t = 0; b <= s->block_count; b++) {
-        for (; t <= team && (b == s->block_count || done * team >= total * t); t++)
-            s->share[t] = b;
-        done += b < s->block_count ? block_work(s, &s->blocks[b]) : 0;
-    }
-}
-
 static int resize_tallies(struct calx_sim *s)
 {
     free(s->tallies);
@@ -347,7 +322,6 @@ int calx_neighbours_build(struct calx_sim *s, struct calx_error *e)
                              .types = s->scene->material_count * s->scene->material_count};
     size_t lists = r.blocks;
     calx_skin_tune(s);
-    calx_neighbours_team(s);
     int failed = prepare(&r);
     failed = failed || sort_rows(&r);
     calx_timing_lap(clock, CALX_PHASE_SORT);
@@ -355,9 +329,8 @@ int calx_neighbours_build(struct calx_sim *s, struct calx_error *e)
     failed = failed || lay_out(&r) || list_contributions(&r);
     if (!failed) {
         exchange(&r);
-        failed = calx_near_build(s, &r) || resize_tallies(s) || resize_forces(s) || resize_network(s);
+        failed = calx_near_build(s, &r) || resize_tallies(s) || resize_forces(s) || resize_network(s) || calx_team_form(s);
     }
-    calx_neighbours_team(s);
     clear(&r, lists);
     if (failed)
         return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for the lists of %zu particles", s->n);

@@ -242,6 +242,7 @@ int calx_sim_restore(struct calx_sim *s, const struct calx_block *blocks, size_t
     calx_pace_resume(s);
     calx_measure_clear(&s->measure);
     s->walls_changed = true;
-    calx_neighbours_team(s);
+    if (calx_team_form(s))
+        return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for the restart point");
     return 0;
 }

@@ -14,11 +14,13 @@ static int create_scratch(struct calx_sim *s, struct calx_error *e)
 {
     s->columns = calloc((size_t)s->threads, sizeof *s->columns);
     s->forces = calloc((size_t)s->threads, sizeof *s->forces);
+    s->team = 1;
     s->share = calloc((size_t)s->threads + 1, sizeof *s->share);
-    for (int t = 0; s->columns && s->forces && s->share && t < s->threads; t++)
+    s->left = calloc((size_t)s->threads, sizeof *s->left);
+    for (int t = 0; s->columns && s->forces && s->share && s->left && t < s->threads; t++)
         if (!(s->columns[t] = calx_memory_zeroed(1, sizeof **s->columns)))
             return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for threads");
-    return s->columns && s->forces && s->share ? 0 : calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for threads");
+    return s->columns && s->forces && s->share && s->left ? 0 : calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for threads");
 }
 
 static int create_classes(struct calx_sim *s, struct calx_error *e)
@@ -88,6 +90,11 @@ static void free_threads(struct calx_sim *s)
     free(s->columns);
     free(s->forces);
     free(s->share);
+    free(s->left);
+    free(s->order);
+    free(s->adders);
+    free(s->waiting);
+    free(s->passed);
 }
 
 void calx_sim_free(struct calx_sim *s)

@@ -86,7 +86,7 @@ struct calx_row_block {
     int32_t first, own, ghosts;
     size_t group_first, group_count;
     size_t collect_first, collect_count; /* contributions from earlier blocks' ghosts */
-    size_t earliest;                     /* the first block that contributes, or the block itself */
+    size_t adder_first, adder_count;     /* the earlier blocks that contribute */
     size_t near_first, near_count;       /* particle-wall candidates */
     size_t wall_count, wall_next;        /* wall contacts alive, in wall_contacts[near_first...]; of the evaluation under way */
 };
@@ -151,7 +151,11 @@ struct calx_sim {
     struct calx_registry *registry;
     int threads;
     int team;                    /* threads that have blocks to work on */
-    size_t *share;               /* per thread: its first block; one more for the end */
+    size_t *share;               /* per thread: where its blocks begin in `order`; one more for the end */
+    size_t *left;                /* per thread: how many of its blocks still wait in a sweep */
+    int32_t *order;              /* blocks */
+    int32_t *adders, *waiting;   /* blocks: by adder_first; scratch of a sweep, by share */
+    int64_t *passed, pass_number; /* per block: the last evaluation that has its forces; atomic. The number of this one */
     size_t plan_count;
     struct calx_plan *plans;    /* one per set of models */
     const struct calx_plan *plan;
@@ -339,8 +343,10 @@ int calx_particles_create(struct calx_sim *, struct calx_error *);
 
 /* neighbours.c: sort, lists, ghosts, blocks; keeps history. Fails if a body left the domain. */
 int calx_neighbours_build(struct calx_sim *, struct calx_error *);
-void calx_neighbours_team(struct calx_sim *); /* how many threads have blocks to work on */
 bool calx_neighbours_stale(const struct calx_sim *);
+
+/* team.c: deals the blocks out to threads, after each rebuild and restart. 0, or 1 without memory. */
+int calx_team_form(struct calx_sim *);
 
 /* skin.c: the first width, and a better one at each rebuild. Choosing fails if a periodic length is too short. */
 int calx_skin_choose(struct calx_sim *, struct calx_error *);

@@ -5,6 +5,7 @@
  */
 #include <math.h>
 #include <omp.h>
+#include <sched.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,37 +28,71 @@ static void swap_wall_contacts(struct calx_sim *s)
     }
 }
 
-/* The blocks of one thread, in order. A block is finished while it is in cache, as soon as the blocks that add to it are done; those that
- * wait for another thread's blocks come after the barrier, dealt out to all threads. Nobody reads a block's rows once the blocks that add
- * to it are done: they are the ones that keep copies of it. */
-static void sweep_part(struct calx_sim *s, const struct calx_pass *pass, size_t me, size_t team)
+/* Whether all blocks that add to block b have their forces. */
+static bool is_ready(const struct calx_sim *s, size_t b)
 {
-    bool passing = pass->ahead && !s->plan->global_heat; /* a global integrator of temperature reads the heat of dissipation in the rows */
-    for (size_t b = s->share[me], first = b; b < s->share[me + 1]; b++) {
-        bool finish = s->blocks[b].earliest >= first;
-        double *a = finish && passing ? s->forces[me] : calx_row_a(s, s->blocks[b].first);
-        s->engine->block_forces(s, b, pass, a);
-        if (finish)
-            s->engine->block_finish(s, b, pass, a);
-    }
-    if (team == 1)
-        return;
-#pragma omp barrier
-    for (size_t owner = 1, turn = 0; owner < team; owner++)
-        for (size_t b = s->share[owner]; b < s->share[owner + 1]; b++)
-            if (s->blocks[b].earliest < s->share[owner] && turn++ % team == me)
-                s->engine->block_finish(s, b, pass, calx_row_a(s, s->blocks[b].first));
+    const struct calx_row_block *block = &s->blocks[b];
+    for (size_t k = block->adder_first; k < block->adder_first + block->adder_count; k++)
+        if (s->adders[k] != (int32_t)b &&
+            __atomic_load_n(&s->passed[s->adders[k]], __ATOMIC_ACQUIRE) != s->pass_number)
+            return false;
+    return true;
 }
 
-/* A parallel region costs microseconds even for one thread: a scene of one block does without. */
+/* Finishes those of the waiting blocks whose turn has come; returns how many still wait. */
+static size_t finish_waiting(struct calx_sim *s, const struct calx_pass *pass, int32_t *waiting, size_t count)
+{
+    size_t left = 0;
+    for (size_t k = 0; k < count; k++) {
+        size_t b = (size_t)waiting[k];
+        if (is_ready(s, b))
+            s->engine->block_finish(s, b, pass, calx_row_a(s, s->blocks[b].first));
+        else
+            waiting[left++] = waiting[k];
+    }
+    return left;
+}
+
+/* The blocks of one thread. A block is finished while it is in cache if the blocks that add to it are done, else when they are. Nobody reads a
+ * block's rows once the blocks that add to it are done: they are the ones that keep copies of it. Returns how many blocks still wait. */
+static size_t sweep_part(struct calx_sim *s, const struct calx_pass *pass, size_t me)
+{
+    /* a global integrator of temperature reads the heat of dissipation in the rows */
+    bool passing = pass->ahead && !s->plan->global_heat;
+    int32_t *waiting = s->waiting + s->share[me];
+    size_t count = 0;
+    for (size_t k = s->share[me]; k < s->share[me + 1]; k++) {
+        size_t b = (size_t)s->order[k];
+        bool ready = is_ready(s, b);
+        double *a = ready && passing ? s->forces[me] : calx_row_a(s, s->blocks[b].first);
+        s->engine->block_forces(s, b, pass, a);
+        __atomic_store_n(&s->passed[b], s->pass_number, __ATOMIC_RELEASE);
+        if (ready)
+            s->engine->block_finish(s, b, pass, a);
+        else
+            waiting[count++] = (int32_t)b;
+        count = finish_waiting(s, pass, waiting, count);
+    }
+    return count;
+}
+
+/* A parallel region costs microseconds even for one thread: a scene of one block does without. There may be fewer threads than were asked for. */
 static void sweep(struct calx_sim *s, const struct calx_pass *pass)
 {
+    s->pass_number++;
     if (s->team <= 1) {
-        sweep_part(s, pass, 0, 1);
+        sweep_part(s, pass, 0);
         return;
     }
 #pragma omp parallel num_threads(s->team)
-    sweep_part(s, pass, (size_t)omp_get_thread_num(), (size_t)omp_get_num_threads());
+    {
+        int first = omp_get_thread_num(), there = omp_get_num_threads();
+        for (int me = first; me < s->team; me += there)
+            s->left[me] = sweep_part(s, pass, (size_t)me);
+        for (int me = first; me < s->team; me += there)
+            while ((s->left[me] = finish_waiting(s, pass, s->waiting + s->share[me], s->left[me])) > 0)
+                sched_yield();
+    }
 }
 
 /* Sorts out which of the pairs that are apart may touch soon; false if they find no room. */
