@@ -23,7 +23,7 @@ ACCURACY = os.path.join(ROOT, "cases", "accuracy")
 DRUM = os.path.join(ROOT, "cases", "07-drum-with-flights")
 PLENTY = "1000s"  # a budget that lets every plan be the richest: no test depends on the machine
 # A drum of few grains for a short while: it settles and then turns.
-SHORT_DRUM = ["--set", "particles/pack/count=40", "--set", "stage[settle]/for=0.1 s", "--set", "stage[turn]/for=0.1 s",
+SHORT_DRUM = ["--set", "particles/pack/count=40", "--set", "stage[settle]/for=0.1 s", "--set", "stage[turn]/for=0.4 s",
               "--set", "particles/pack/radius=uniform 5 mm 7 mm"]
 OSCILLATOR_MASS, OSCILLATOR_STIFFNESS = 7800 * 4 / 3 * math.pi * 0.002**3, 2 * 6000
 OSCILLATOR = math.sqrt(OSCILLATOR_STIFFNESS / OSCILLATOR_MASS)  # rad/s
