@@ -31,29 +31,34 @@ static void fetch_block(const struct calx_sim *s, const struct calx_row_block *b
 
 enum { AHEAD = 12 }; /* ghosts whose sources are fetched in advance */
 
-static void refresh_places(struct calx_sim *s, const struct calx_row_block *b)
+/* A ghost goes where its source is, or that image of it. */
+static inline void refresh_place(struct calx_sim *s, int32_t row)
 {
     const struct calx_scene *scene = s->scene;
-    int32_t end = b->first + b->own + b->ghosts;
-    for (int32_t row = b->first + b->own; row < end; row++) {
-        __builtin_prefetch(calx_row_x(s, s->r.source[row + AHEAD < end ? row + AHEAD : row]));
-        calx_v4 at = calx_v4_load(calx_row_x(s, s->r.source[row]));
-        if (s->r.shift) {
-            int shift = s->r.shift[row];
-            at[0] += (shift % 3 - 1) * (scene->high[0] - scene->low[0]);
-            at[1] += (shift / 3 % 3 - 1) * (scene->high[1] - scene->low[1]);
-            at[2] += (shift / 9 - 1) * (scene->high[2] - scene->low[2]);
-        }
-        calx_v4_store(calx_row_x(s, row), at);
+    calx_v4 at = calx_v4_load(calx_row_x(s, s->r.source[row]));
+    if (s->r.shift) {
+        int shift = s->r.shift[row];
+        at[0] += (shift % 3 - 1) * (scene->high[0] - scene->low[0]);
+        at[1] += (shift / 3 % 3 - 1) * (scene->high[1] - scene->low[1]);
+        at[2] += (shift / 9 - 1) * (scene->high[2] - scene->low[2]);
     }
+    calx_v4_store(calx_row_x(s, row), at);
+}
+
+static void refresh_places(struct calx_sim *s, const struct calx_row_block *b)
+{
+    for (int32_t row = b->first + b->own; row < b->first + b->own + b->ghosts; row++)
+        refresh_place(s, row);
 }
 
 static void refresh_ghosts(struct calx_sim *s, const struct calx_row_block *b)
 {
     int32_t end = b->first + b->own + b->ghosts;
-    refresh_places(s, b);
     for (int32_t row = b->first + b->own; row < end; row++) {
-        __builtin_prefetch(calx_row_v(s, s->r.source[row + AHEAD < end ? row + AHEAD : row]));
+        int32_t ahead = s->r.source[row + AHEAD < end ? row + AHEAD : row];
+        __builtin_prefetch(calx_row_x(s, ahead));
+        __builtin_prefetch(calx_row_v(s, ahead));
+        refresh_place(s, row);
         const double *from = calx_row_v(s, s->r.source[row]);
         double *to = calx_row_v(s, row);
         for (size_t lane = 0; lane < s->r.stride; lane += 4)

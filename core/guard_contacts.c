@@ -3,7 +3,7 @@
  * Guards that look at contacts: each must be resolved by some steps, and the step must be stable in the network that they form. A look
  * costs as much as a few steps, so it is made every CALX_SELDOM steps and when contacts may have become stiffer than any seen: when
  * overlaps reach half as much again as at the last look (stiffness grows with the overlap or not at all), and, if a contact that is to be
- * expected would be too short, when contacts come. A step that follows the contacts (pace.c) needs no look.
+ * expected would be too short, when contacts come, but for that not in each of many steps. A step that follows the contacts (pace.c) needs no look.
  */
 #include "core/guard.h"
 
@@ -16,6 +16,7 @@
 
 static const double LEAST_STEPS = 10.0; /* in half a period of a contact */
 static const double DEEPER = 1.5;
+enum { LOOK_EVERY = 128 }; /* steps: a look costs as much as one or two of them */
 static const double ADVISED_STEPS = 20.0, ADVISED_SHARE = 0.5;
 
 /* ---- names ---- */
@@ -139,6 +140,8 @@ int calx_guard_contacts_step(struct calx_sim *s, struct calx_error *e)
     if (s->plan->models->forced || !s->plan->law_count || calx_pace_resolves(s->plan, LEAST_STEPS))
         return 0;
     note_contacts(s, &depth, &contacts);
-    bool come = contacts != s->contacts_seen && s->plan->shortest < LEAST_STEPS * s->dt;
+    bool come = contacts != s->contacts_seen && s->plan->shortest < LEAST_STEPS * s->dt && s->step >= s->look_from;
+    if (come) /* in a bed contacts come in every step */
+        s->look_from = s->step + LOOK_EVERY;
     return come || depth > DEEPER * s->overlap_seen ? calx_guard_contacts(s, e) : 0;
 }

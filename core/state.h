@@ -242,6 +242,7 @@ struct calx_sim {
     double coldest, hottest;    /* K: of the start, and of the walls since then */
     double overlap_seen;        /* of the smaller radius: the deepest when contacts were last looked at */
     int64_t contacts_seen;      /* and how many there were */
+    int64_t look_from;          /* the step from which new contacts are a reason to look again */
 
     /* timing; NULL while it is off */
     struct calx_clock *clocks;

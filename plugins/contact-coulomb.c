@@ -119,7 +119,7 @@ CALX_KERNEL static void rub(size_t n, double k, double mu, double dt,
 
 /* h: force of the evaluation before. The damper is before the slider, or beside both if friction
  * limits the spring alone. `cap` is known when this is compiled. */
-static inline __attribute__((always_inline)) void rub_damped(
+static inline __attribute__((always_inline)) void slide(
     const int cap, size_t n, const struct coulomb *p, double dt, const double *restrict overlap,
     const double *restrict vx, const double *restrict vy, const double *restrict vz,
     const double *restrict mass, const double *restrict normal_force, double *restrict fx,
@@ -155,30 +155,33 @@ static inline __attribute__((always_inline)) void rub_damped(
     }
 }
 
-#define COLUMNS(P)                                                                                 \
-    size_t n, const struct coulomb *p, double dt, const double *P overlap, const double *P vx,     \
-        const double *P vy, const double *P vz, const double *P mass, const double *P normal,      \
-        double *P fx, double *P fy, double *P fz, double *P work, double *P sx, double *P sy,      \
-        double *P sz, double *P hx, double *P hy, double *P hz
-#define RUB(name, cap)                                                                             \
-    CALX_KERNEL static void name(COLUMNS(restrict))                                                \
-    {                                                                                              \
-        rub_damped(cap, n, p, dt, overlap, vx, vy, vz, mass, normal, fx, fy, fz, work, sx, sy, sz, \
-                   hx, hy, hz);                                                                    \
-    }
-RUB(rub_serial, SERIAL)
-RUB(rub_spring, SPRING)
-RUB(rub_peers, PEERS)
+CALX_KERNEL static void rub_damped(
+    size_t n, const struct coulomb *p, double dt, const double *restrict overlap,
+    const double *restrict vx, const double *restrict vy, const double *restrict vz,
+    const double *restrict mass, const double *restrict normal_force, double *restrict fx,
+    double *restrict fy, double *restrict fz, double *restrict work, double *restrict sx,
+    double *restrict sy, double *restrict sz, double *restrict hx, double *restrict hy,
+    double *restrict hz)
+{
+    if (p->cap == SERIAL)
+        slide(SERIAL, n, p, dt, overlap, vx, vy, vz, mass, normal_force, fx, fy, fz, work, sx, sy,
+              sz, hx, hy, hz);
+    else if (p->cap == SPRING)
+        slide(SPRING, n, p, dt, overlap, vx, vy, vz, mass, normal_force, fx, fy, fz, work, sx, sy,
+              sz, hx, hy, hz);
+    else
+        slide(PEERS, n, p, dt, overlap, vx, vy, vz, mass, normal_force, fx, fy, fz, work, sx, sy, sz,
+              hx, hy, hz);
+}
 
 static void force(const void *params, const struct calx_contacts *b)
 {
     const struct coulomb *p = params;
     double *const *h = b->history;
     size_t n = calx_padded(b->n);
-    void (*const rub_by_cap[])(COLUMNS()) = {[SERIAL] = rub_serial, [SPRING] = rub_spring, [PEERS] = rub_peers};
     if (damped(p))
-        rub_by_cap[(int)p->cap](n, p, b->dt, b->overlap, b->vt[0], b->vt[1], b->vt[2], b->mass, b->coulomb,
-                                b->ft[0], b->ft[1], b->ft[2], b->work, h[0], h[1], h[2], h[3], h[4], h[5]);
+        rub_damped(n, p, b->dt, b->overlap, b->vt[0], b->vt[1], b->vt[2], b->mass, b->coulomb, b->ft[0],
+                   b->ft[1], b->ft[2], b->work, h[0], h[1], h[2], h[3], h[4], h[5]);
     else
         rub(n, p->stiffness, p->friction, b->dt, b->overlap, b->vt[0], b->vt[1], b->vt[2],
             b->coulomb, b->ft[0], b->ft[1], b->ft[2], b->work, h[0], h[1], h[2]);
