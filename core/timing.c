@@ -12,7 +12,7 @@ const char *calx_phase_name(enum calx_phase p)
 {
     static const char *const names[CALX_PHASE_COUNT] = {
         [CALX_PHASE_SORT] = "sort", [CALX_PHASE_NEIGHBOURS] = "neighbours", [CALX_PHASE_GHOSTS] = "ghosts",
-        [CALX_PHASE_SELECT] = "select", [CALX_PHASE_GATHER] = "gather", [CALX_PHASE_KINEMATICS] = "kinematics",
+        [CALX_PHASE_SELECT] = "select", [CALX_PHASE_GATHER] = "gather",
         [CALX_PHASE_LAWS] = "laws", [CALX_PHASE_CONDUCTANCE] = "conductance", [CALX_PHASE_SCATTER] = "scatter",
         [CALX_PHASE_WALLS] = "walls", [CALX_PHASE_INTEGRATE] = "integrate", [CALX_PHASE_HEAT] = "heat",
         [CALX_PHASE_OTHER] = "other"};

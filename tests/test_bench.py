@@ -87,6 +87,16 @@ class Report(unittest.TestCase):
         split = calx("bench", *SMALL, "--json", "--threads", "1", "--warm", str(WARM + STEPS - 1), "--steps", "1")
         self.assertEqual(json.loads(split.stdout)["hash"], short["hash"])
 
+    def test_fewer_threads_than_asked_for(self):
+        """The system may give fewer: what the others would have done is done all the same, with the same bits."""
+        several_blocks = ["--set", "particles/pack/count=2500", "--json", "--warm", "50", "--steps", "50", "--threads", "3"]
+        hashes = set()
+        for limit in ("1", "3"):
+            done = calx("bench", *several_blocks, env={**os.environ, "OMP_THREAD_LIMIT": limit})
+            self.assertEqual(done.returncode, 0, done.stderr)
+            hashes.add(json.loads(done.stdout)["hash"])
+        self.assertEqual(len(hashes), 1)
+
     def test_text_says_the_same(self):
         done = calx("bench", *SMALL, "--threads", "1", "--warm", str(WARM), "--steps", str(STEPS))
         self.assertEqual(done.returncode, 0, done.stderr)
