@@ -16,7 +16,7 @@
 #include "core/pairs.h"
 
 enum {
-    CALX_BLOCK = 1024,        /* own rows per block */
+    CALX_BLOCK = 2048,       /* own rows per block: fewer make more ghosts, more leave the cache */
     CALX_LAWS_MAX = 8,       /* contact laws in one stack */
     CALX_HISTORY_MAX = 24,   /* history columns of one stack */
     CALX_EXTRA_MAX = 8,

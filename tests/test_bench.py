@@ -89,7 +89,7 @@ class Report(unittest.TestCase):
 
     def test_fewer_threads_than_asked_for(self):
         """The system may give fewer: what the others would have done is done all the same, with the same bits."""
-        several_blocks = ["--set", "particles/pack/count=2500", "--json", "--warm", "50", "--steps", "50", "--threads", "3"]
+        several_blocks = ["--set", "particles/pack/count=5000", "--json", "--warm", "50", "--steps", "50", "--threads", "3"]
         hashes = set()
         for limit in ("1", "3"):
             done = calx("bench", *several_blocks, env={**os.environ, "OMP_THREAD_LIMIT": limit})

@@ -16,7 +16,7 @@ extern const struct calx_engine calx_engine_base;
 extern const struct calx_engine calx_engine_avx2 __attribute__((weak));
 extern const struct calx_engine calx_engine_avx512 __attribute__((weak));
 
-enum { EDGE = 18, GRAINS = EDGE * EDGE * EDGE, STEPS = 200, LEAST_BLOCKS = 6, LEAST_REBUILDS = 5 };
+enum { EDGE = 21, GRAINS = EDGE * EDGE * EDGE, STEPS = 200, LEAST_BLOCKS = 5, LEAST_REBUILDS = 5 };
 static const double RADIUS = 1e-3, SPACING = 2.05e-3;
 
 static void add_grains(struct calx_scene *s)
