@@ -38,7 +38,7 @@ static const struct {
 };
 enum { COUNT = sizeof integrators / sizeof *integrators };
 
-enum { EDGE = 12, GRAINS = EDGE * EDGE * EDGE, STEPS = 90 };
+enum { EDGE = 13, GRAINS = EDGE * EDGE * EDGE, STEPS = 90 };
 static const double RADIUS = 1e-3, SPACING = 2.05e-3;
 
 static void add_grains(struct calx_scene *s)

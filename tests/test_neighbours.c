@@ -162,7 +162,7 @@ static const struct gas gases[] = {
 
 enum { GRAINS = CALX_BLOCK + 200, STEPS = 400, REBUILDS = 20, BORDER = 10 };
 static const double GRAIN[] = {
-    0.010, 0.034}; /* of a unit box, in 2D and 3D: a fifth to two fifths of it are full */
+    0.0074, 0.0277}; /* of a unit box, in 2D and 3D: a fifth to two fifths of it are full */
 static const double FASTEST = 3.5; /* m/s, 2 along each of three axes */
 
 static bool overlaps(const struct calx_scene *s, size_t count, const double *x, double radius)
