@@ -243,5 +243,5 @@ int calx_sim_restore(struct calx_sim *s, const struct calx_block *blocks, size_t
     calx_measure_clear(&s->measure);
     s->walls_changed = true;
     calx_neighbours_team(s);
-    return 0;
+    return calx_carried_list(s, e);
 }

@@ -29,6 +29,7 @@ struct calx_start {
 struct calx_group {
     const xmlNode *node;
     int material;
+    int carrier; /* the wall that a rigid group is in the scene, or -1 */
     bool fixed, has_temperature;
     struct calx_function temperature;
     struct calx_start velocity, spin;
@@ -41,10 +42,11 @@ struct calx_bed {
     struct calx_reader *reader;
     struct calx_particles *particles;
     size_t capacity;
-    bool any_velocity, any_spin, any_temperature, any_fixed;
+    bool any_velocity, any_spin, any_temperature, any_fixed, any_carrier;
 };
 
-/* Where the attribute stands: on the element, else on <particles> around it, else NULL. */
+/* Where the attribute stands: on the element, else on <group> or <particles> around it, else NULL.
+ */
 const xmlNode *calx_case_bearer(const xmlNode *, const char *name);
 
 /* The one radius of the element's bodies; NaN and a problem if there is none. */
@@ -56,5 +58,7 @@ int64_t calx_case_place_body(struct calx_bed *, struct calx_group *, const doubl
 
 void calx_case_read_pack(struct calx_bed *, struct calx_group *);
 void calx_case_read_csv(struct calx_bed *, struct calx_group *);
+void calx_case_read_row(struct calx_bed *, struct calx_group *);
+void calx_case_read_ring(struct calx_bed *, struct calx_group *);
 
 #endif

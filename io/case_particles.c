@@ -20,9 +20,9 @@
 
 const xmlNode *calx_case_bearer(const xmlNode *node, const char *name)
 {
-    if (calx_case_given(node, name))
-        return node;
-    return calx_case_given(node->parent, name) ? node->parent : NULL;
+    while (!calx_case_given(node, name) && strcmp(calx_case_element(node)->id, "particles") != 0)
+        node = node->parent;
+    return calx_case_given(node, name) ? node : NULL;
 }
 
 double calx_case_radius(struct calx_reader *r, const xmlNode *node)
@@ -92,27 +92,40 @@ static int group_material(struct calx_reader *r, const xmlNode *node)
 
 static uint64_t group_seed(struct calx_reader *r, const xmlNode *node, uint64_t ordinal)
 {
-    bool own =
-        calx_element_attribute(calx_case_element(node), "seed") && calx_case_given(node, "seed");
-    const xmlNode *bearer = own                                     ? node
-                            : calx_case_given(node->parent, "seed") ? node->parent
-                                                                    : NULL;
+    bool own = calx_case_given(node, "seed") != NULL;
+    const xmlNode *bearer = calx_case_bearer(node, "seed");
     uint64_t seed = bearer ? (uint64_t)calx_case_whole(r, bearer, "seed") : r->scene->seed;
     seed += DRAW_STEP * r->draw;
     return own ? seed : seed + SEED_STEP * ordinal;
 }
 
+/* A body of a group moves with it. */
+static int read_carrier(struct calx_reader *r, const xmlNode *node)
+{
+    static const char *const own[] = {"velocity", "spin", "fixed"};
+    if (strcmp(calx_case_element(node->parent)->id, "group") != 0)
+        return -1;
+    for (size_t k = 0; k < sizeof own / sizeof *own; k++)
+        if (calx_case_given(node, own[k]))
+            calx_case_fail(r, node, own[k],
+                           "is not for bodies of a <group>: a <move> in a stage moves all of it");
+    const char *name = calx_case_given(node->parent, "name");
+    return name ? calx_scene_wall(r->scene, name) : -1;
+}
+
 static struct calx_group read_group(struct calx_reader *r, const xmlNode *node, uint64_t ordinal)
 {
-    struct calx_group group = {.node = node};
+    struct calx_group group = {.node = node, .carrier = read_carrier(r, node)};
     const xmlNode *temperature = calx_case_bearer(node, "temperature"),
                   *fixed = calx_case_bearer(node, "fixed");
     group.material = group_material(r, node);
     group.fixed = fixed && calx_case_yes(r, fixed, "fixed");
     group.has_temperature =
         temperature && calx_case_function(r, temperature, "temperature", &group.temperature);
-    group.velocity = read_start(r, node, "velocity");
-    group.spin = read_start(r, node, "spin");
+    if (group.carrier < 0) {
+        group.velocity = read_start(r, node, "velocity");
+        group.spin = read_start(r, node, "spin");
+    }
     group.seed = group_seed(r, node, ordinal);
     calx_random_seed(&group.random, group.seed ^ SEED_STEP); /* apart from the stream of places */
     return group;
@@ -139,7 +152,8 @@ static bool grow(struct calx_bed *bed)
                 grow_array(&p->velocity, capacity, sizeof *p->velocity) &&
                 grow_array(&p->spin, capacity, sizeof *p->spin) &&
                 grow_array(&p->temperature, capacity, sizeof *p->temperature) &&
-                grow_array(&p->fixed, capacity, sizeof *p->fixed);
+                grow_array(&p->fixed, capacity, sizeof *p->fixed) &&
+                grow_array(&p->carrier, capacity, sizeof *p->carrier);
     if (done)
         bed->capacity = capacity;
     else
@@ -169,7 +183,8 @@ int64_t calx_case_place_body(struct calx_bed *bed, struct calx_group *group,
     memcpy(p->position[i], position, sizeof p->position[i]);
     p->radius[i] = radius;
     p->material[i] = group->material;
-    p->fixed[i] = group->fixed;
+    p->fixed[i] = group->fixed || group->carrier >= 0;
+    p->carrier[i] = group->carrier;
     p->temperature[i] = group->has_temperature ? calx_evaluate(&group->temperature, 0.0, position)
                                                : ROOM_TEMPERATURE;
     draw_start(group, &group->velocity, (bool[]){true, true, !plane}, p->velocity[i]);
@@ -181,7 +196,8 @@ int64_t calx_case_place_body(struct calx_bed *bed, struct calx_group *group,
     bed->any_velocity |= group->velocity.given;
     bed->any_spin |= group->spin.given;
     bed->any_temperature |= group->has_temperature;
-    bed->any_fixed |= group->fixed;
+    bed->any_fixed |= p->fixed[i];
+    bed->any_carrier |= group->carrier >= 0;
     return (int64_t)p->count++;
 }
 
@@ -194,7 +210,8 @@ static void drop_unsaid(struct calx_bed *bed)
     } arrays[] = {{bed->any_velocity, (void **)&p->velocity},
                   {bed->any_spin, (void **)&p->spin},
                   {bed->any_temperature, (void **)&p->temperature},
-                  {bed->any_fixed, (void **)&p->fixed}};
+                  {bed->any_fixed, (void **)&p->fixed},
+                  {bed->any_carrier, (void **)&p->carrier}};
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
         if (!arrays[k].keep) {
             free(*arrays[k].array);
@@ -312,11 +329,25 @@ static void read_body_element(struct calx_bed *bed, const xmlNode *node, uint64_
     } readers[] = {{"particle", read_particle},
                    {"grid", read_grid},
                    {"pack", calx_case_read_pack},
-                   {"csv", calx_case_read_csv}};
+                   {"csv", calx_case_read_csv},
+                   {"row", calx_case_read_row},
+                   {"ring", calx_case_read_ring}};
     struct calx_group group = read_group(bed->reader, node, ordinal);
     for (size_t k = 0; k < sizeof readers / sizeof *readers; k++)
         if (strcmp(readers[k].id, calx_case_element(node)->id) == 0)
             readers[k].read(bed, &group);
+}
+
+static void read_children(struct calx_bed *bed, const xmlNode *parent, uint64_t *ordinal)
+{
+    for (const xmlNode *child = parent->children; child; child = child->next) {
+        if (child->type != XML_ELEMENT_NODE || !child->_private)
+            continue;
+        if (strcmp(calx_case_element(child)->id, "group") == 0)
+            read_children(bed, child, ordinal);
+        else
+            read_body_element(bed, child, (*ordinal)++);
+    }
 }
 
 void calx_case_read_particles(struct calx_reader *r)
@@ -325,9 +356,7 @@ void calx_case_read_particles(struct calx_reader *r)
     uint64_t ordinal = 0;
     for (const xmlNode *node = calx_case_first(r->root, "particles"); node;
          node = calx_case_next(node, "particles"))
-        for (const xmlNode *child = node->children; child; child = child->next)
-            if (child->type == XML_ELEMENT_NODE && child->_private)
-                read_body_element(&bed, child, ordinal++);
+        read_children(&bed, node, &ordinal);
     drop_unsaid(&bed);
     if (!bed.particles->count && !r->problems->count)
         calx_case_fail(r, calx_case_first(r->root, "particles"), NULL, "has no particle");

@@ -199,8 +199,8 @@ static const struct calx_element stage = {
 static const struct calx_attribute output_attributes[] = {
     {"every", QUANTITY, "s", NULL, NULL, POSITIVE,
      "time between frames; only start and end of each stage if not given"},
-    {"fields", WORDS, NULL, "velocity|spin|temperature|material|contacts|force|mass|heat|all",
-     "velocity spin temperature material contacts", NO_RANGE,
+    {"fields", WORDS, NULL, "velocity|spin|temperature|material|contacts|force|mass|heat|group|all",
+     "velocity spin temperature material contacts group", NO_RANGE,
      "of particles, besides id and radius; those that the scene does not have are left out"},
     {"network", SWITCH, NULL, NULL, "no", NO_RANGE, "write the contacts too"},
     {"precision", WORD, NULL, "double|single", "double", NO_RANGE, "of numbers in the files"},

@@ -175,6 +175,23 @@ int scene_wall(struct calx_scene *s, const char *name, int material)
     return (int)s->wall_count++;
 }
 
+int scene_group(struct calx_scene *s, const char *name)
+{
+    int group = scene_wall(s, name, -1);
+    s->walls[group].carries = true;
+    return group;
+}
+
+void scene_carry(struct calx_scene *s, size_t i, int group)
+{
+    if (!s->particles.carrier) {
+        s->particles.carrier = zeroed(s->particles.count, sizeof *s->particles.carrier);
+        for (size_t k = 0; k < s->particles.count; k++)
+            s->particles.carrier[k] = -1;
+    }
+    s->particles.carrier[i] = group;
+}
+
 struct calx_primitive *scene_primitive(struct calx_scene *s, int wall, struct calx_primitive p)
 {
     struct calx_wall *w = &s->walls[wall];

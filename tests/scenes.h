@@ -60,6 +60,10 @@ void scene_segment(struct calx_scene *, int wall, double ax, double ay, double b
                    int32_t surface);
 void scene_plane(struct calx_scene *, int wall, const double a[3], const double n[3]);
 struct calx_primitive *scene_primitive(struct calx_scene *, int wall, struct calx_primitive);
+/* Adds a rigid group, insulated and at rest; returns the index of the wall that it is. */
+int scene_group(struct calx_scene *, const char *name);
+/* Makes grain i a body of it. */
+void scene_carry(struct calx_scene *, size_t i, int group);
 /* Gives a wall a temperature. */
 void scene_wall_temperature(struct calx_scene *, int wall, double temperature);
 /* The motion of a wall in stage s, to be filled in. */
