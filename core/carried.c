@@ -30,8 +30,7 @@ int calx_carried_list(struct calx_sim *s, struct calx_error *e)
         block->carried_first = s->carried_count;
         for (int32_t row = block->first; count && row < block->first + block->own; row++)
             if (carrier[s->r.id[row]] >= 0)
-                s->carried[s->carried_count++] =
-                    (struct calx_carried){row, carrier[s->r.id[row]]};
+                s->carried[s->carried_count++] = (struct calx_carried){row, carrier[s->r.id[row]]};
         block->carried_count = s->carried_count - block->carried_first;
     }
     return 0;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * The particles of a case: single ones and grids here, packings and tables in case_pack.c and
- * case_csv.c. Output: scene->particles, in the order of the file. Nothing is placed once there is a
- * mistake: a packing takes time.
+ * The particles of a case: single ones here, the others in case_grid.c, case_lines.c, case_pack.c
+ * and case_csv.c. Output: scene->particles, in the order of the file. No packing is made once there
+ * is a mistake: it takes time.
  */
 #include "io/case_bodies.h"
 
@@ -229,105 +229,13 @@ static void read_particle(struct calx_bed *bed, struct calx_group *group)
         calx_case_place_body(bed, group, at, radius);
 }
 
-struct grid {
-    double from[3], spacing[3], radius;
-    size_t count[3];
-};
-
-static bool read_spacing(struct calx_reader *r, const xmlNode *node, struct grid *g)
-{
-    size_t count = calx_case_list(r, node, "spacing", g->spacing, 3);
-    if (!calx_case_given(node, "spacing"))
-        g->spacing[0] = 2 * g->radius;
-    else if (count != 1 && count != r->scene->dimension) {
-        if (count)
-            calx_case_fail(r, node, "spacing", "%zu numbers, expected 1 or %u", count,
-                           r->scene->dimension);
-        return false;
-    }
-    for (size_t k = count > 1 ? count : 1; k < 3; k++)
-        g->spacing[k] = g->spacing[0];
-    return true;
-}
-
-static bool count_to(struct calx_reader *r, const xmlNode *node, struct grid *g)
-{
-    double to[3];
-    if (!calx_case_vector(r, node, "to", to))
-        return false;
-    for (size_t k = 0; k < r->scene->dimension; k++) {
-        double steps = floor((to[k] - g->from[k]) / g->spacing[k] +
-                             1e-9); /* a corner on the grid is reached despite rounding */
-        if (steps < 0 || steps >= CALX_MOST_BODIES) {
-            calx_case_fail(r, node, "to",
-                           "expected a corner above 'from' with at most %d bodies between",
-                           CALX_MOST_BODIES);
-            return false;
-        }
-        g->count[k] = (size_t)steps + 1;
-    }
-    return true;
-}
-
-static bool read_counts(struct calx_reader *r, const xmlNode *node, struct grid *g)
-{
-    const char *text = calx_case_given(node, "count"), *words[4];
-    char *copy;
-    size_t count = calx_case_split(text, "", &copy, words, 4);
-    bool right = count == r->scene->dimension;
-    for (size_t k = 0; right && k < count; k++) {
-        char *end;
-        g->count[k] = strtoul(words[k], &end, 10);
-        right =
-            *end == '\0' && *words[k] != '-' && g->count[k] >= 1 && g->count[k] <= CALX_MOST_BODIES;
-    }
-    if (!right)
-        calx_case_fail(r, node, "count", "'%.80s', expected %u whole numbers from 1 to %d", text,
-                       r->scene->dimension, CALX_MOST_BODIES);
-    free(copy);
-    return right;
-}
-
-static void place_grid(struct calx_bed *bed, struct calx_group *group, const struct grid *g)
-{
-    size_t total = g->count[0] * g->count[1];
-    if (total > CALX_MOST_BODIES || total * g->count[2] > CALX_MOST_BODIES) {
-        calx_case_fail(bed->reader, group->node, NULL, "more than %d bodies", CALX_MOST_BODIES);
-        return;
-    }
-    for (size_t k = 0; k < g->count[2]; k++)
-        for (size_t j = 0; j < g->count[1]; j++)
-            for (size_t i = 0; i < g->count[0]; i++) {
-                double at[3] = {g->from[0] + (double)i * g->spacing[0],
-                                g->from[1] + (double)j * g->spacing[1],
-                                g->from[2] + (double)k * g->spacing[2]};
-                if (calx_case_place_body(bed, group, at, g->radius) < 0)
-                    return;
-            }
-}
-
-static void read_grid(struct calx_bed *bed, struct calx_group *group)
-{
-    struct calx_reader *r = bed->reader;
-    struct grid g = {.radius = calx_case_radius(r, group->node), .count = {1, 1, 1}};
-    bool has_to = calx_case_given(group->node, "to") != NULL,
-         has_count = calx_case_given(group->node, "count") != NULL;
-    bool good = calx_case_vector(r, group->node, "from", g.from) &&
-                read_spacing(r, group->node, &g) && !isnan(g.radius);
-    if (has_to == has_count)
-        calx_case_fail(r, group->node, NULL, "has %s, expected either 'to' or 'count'",
-                       has_to ? "both 'to' and 'count'" : "neither end nor number");
-    else if (good && (has_to ? count_to(r, group->node, &g) : read_counts(r, group->node, &g)))
-        place_grid(bed, group, &g);
-}
-
 static void read_body_element(struct calx_bed *bed, const xmlNode *node, uint64_t ordinal)
 {
     static const struct {
         const char *id;
         void (*read)(struct calx_bed *, struct calx_group *);
     } readers[] = {{"particle", read_particle},
-                   {"grid", read_grid},
+                   {"grid", calx_case_read_grid},
                    {"pack", calx_case_read_pack},
                    {"csv", calx_case_read_csv},
                    {"row", calx_case_read_row},

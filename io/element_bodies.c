@@ -38,6 +38,20 @@
         "radius", QUANTITY, "m", NULL, NULL, A_RADIUS, "radius"                                    \
     }
 
+#define SEED_ROW                                                                                   \
+    {                                                                                              \
+        "seed", WHOLE, NULL, NULL, NULL, NO_RANGE,                                                 \
+            "of random numbers; that of particles if not given"                                    \
+    }
+#define SIZES_ROW                                                                                  \
+    {                                                                                              \
+        "radius", CALX_FORM_SIZES, "m", NULL, NULL, A_RADIUS,                                      \
+            "`2 mm`, `uniform 1 mm 2 mm` (least, largest), `normal 2 mm 0.1 mm 1 mm 3 mm` (mean, " \
+            "standard deviation, then, if wanted, least and largest), `lognormal` likewise, "      \
+            "`masses 2 mm 0.3 4 mm 0.7` (diameters and their shares of the mass), `numbers` "      \
+            "likewise (shares of the number)"                                                      \
+    }
+
 static const struct calx_attribute particle_attributes[] = {
     {"at", VECTOR, "m", NULL, NULL, A_NEEDED_PLACE, "centre"}, RADIUS_ROW, COMMON_ROWS};
 static const struct calx_element particle = {"particle", "particle", "One body.",
@@ -61,8 +75,12 @@ static const struct calx_attribute grid_attributes[] = {
     {"count", CALX_FORM_WHOLES, NULL, NULL, NULL, 1, INFINITY, 0,
      "bodies along each axis: \"10 5\""},
     {"spacing", CALX_FORM_LIST, "m", NULL, NULL, POSITIVE,
-     "distance of centres, one number or one per axis; twice the radius if not given"},
-    RADIUS_ROW,
+     "distance of centres, one number or one per axis; twice the largest radius if not given"},
+    {"fill", QUANTITY, "1", NULL, NULL, 0, 1, CALX_ATTRIBUTE_OPEN_MIN,
+     "solid fraction of the grid's area (in 3D volume): as many of its first places are taken; all "
+     "if not given"},
+    SEED_ROW,
+    SIZES_ROW,
     COMMON_ROWS};
 static const struct calx_element grid = {"grid", "grid", "Bodies on a rectangular grid, x fastest.",
                                          ATTRIBUTES(grid_attributes)};
@@ -116,12 +134,8 @@ static const struct calx_attribute pack_attributes[] = {
      "solid fraction of the region (area in 2D), instead of count; with neither, as many as fit at "
      "random"},
     {"gap", QUANTITY, "m", NULL, "0", NOT_NEGATIVE, "room kept free around each body"},
-    {"seed", WHOLE, NULL, NULL, NULL, NO_RANGE,
-     "of random numbers; that of particles if not given"},
-    {"radius", CALX_FORM_SIZES, "m", NULL, NULL, A_RADIUS,
-     "`2 mm`, `uniform 1 mm 2 mm` (least, largest), `normal 2 mm 0.1 mm 1 mm 3 mm` (mean, standard "
-     "deviation, then, if wanted, least and largest), "
-     "`lognormal` likewise, `masses 2 mm 0.3 4 mm 0.7` (diameters and their shares of the mass)"},
+    SEED_ROW,
+    SIZES_ROW,
     COMMON_ROWS};
 static const struct calx_element pack = {"pack", "pack", "Bodies at random places without overlap.",
                                          ATTRIBUTES(pack_attributes)};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * Rigid groups in a case: where rings and rows put their bodies, which wall carries them, what they
- * inherit, and how stages move and heat them.
+ * inherit, and how stages move and heat them; grids of several sizes.
  */
 #include <math.h>
 
@@ -131,8 +131,59 @@ START_TEST(groups_are_walls)
 }
 END_TEST
 
+/* ---- grids of several sizes ---- */
+
+static size_t count_size(size_t first, double radius)
+{
+    size_t count = 0;
+    for (size_t i = first; i < scene->particles.count; i++)
+        count += scene->particles.radius[i] == radius;
+    return count;
+}
+
+/* n_i = 4 f w_i A/(pi d_i^2) with f = 0.3 and A = 40*25*(4 mm)^2: 458.4 and 267.4; the spacing is
+ * the largest diameter. */
+START_TEST(a_grid_by_mass)
+{
+    double area = 40 * 25 * 16e-6, small = 0.3 * 0.3 * area / (M_PI * 1e-6),
+           large = 0.3 * 0.7 * area / (M_PI * 4e-6);
+    read_case(2,
+              "<particles material='a'><grid from='1 2 mm' count='40 25' fill='0.3' seed='3' "
+              "radius='masses 2 mm 0.3 4 mm 0.7' velocity='random 0.2 m/s'/></particles>",
+              STAGE);
+    ck_assert_double_eq_tol((double)count_size(0, 1e-3), small, 1.0); /* rounded */
+    ck_assert_double_eq_tol((double)count_size(0, 2e-3), large, 1.0);
+    near_place(39, 1e-3 + 39 * 4e-3, 2e-3, 0.0);
+    near_place(40, 1e-3, 6e-3, 0.0);
+    double runs = 0, most = 0;
+    for (size_t i = 1; i < scene->particles.count; i++) {
+        runs += scene->particles.radius[i] != scene->particles.radius[i - 1];
+        most = fmax(most, fabs(scene->particles.velocity[i][0]));
+    }
+    /* in random order sizes change 2 n1 n2/n = 338 times, give or take sqrt(n)/2 = 14 */
+    double n = small + large;
+    ck_assert_double_eq_tol(runs, 2.0 * small * large / n, 5.0 * 0.5 * sqrt(n));
+    ck_assert(most > 0.19 && most <= 0.2);
+}
+END_TEST
+
+START_TEST(a_grid_by_number)
+{
+    read_case(3,
+              "<particles material='a'><grid from='0 0 1' count='5 4 3' "
+              "radius='numbers 2 mm 1 4 mm 1'/></particles>",
+              STAGE);
+    ck_assert_uint_eq(scene->particles.count, 60);
+    ck_assert_uint_eq(count_size(0, 1e-3), 30);
+    ck_assert_uint_eq(count_size(0, 2e-3), 30);
+    near_place(59, 16e-3, 12e-3, 1.008);
+}
+END_TEST
+
 static void add_tests(TCase *cases)
 {
+    tcase_add_test(cases, a_grid_by_mass);
+    tcase_add_test(cases, a_grid_by_number);
     tcase_add_test(cases, rings_and_arcs);
     tcase_add_test(cases, rings_by_spacing);
     tcase_add_test(cases, rings_in_space);

@@ -10,10 +10,10 @@
 #include "tests/scenes.h"
 
 static const double RADIUS = 0.1;
-static const char *const integrators[] = {"velocity-verlet",  "verlet",    "symplectic-euler",
-                                          "leapfrog",         "euler",     "newmark",
-                                          "rk4",              "yoshida",   "adams-bashforth-2",
-                                          "gear",             "cash-karp"};
+static const char *const integrators[] = {
+    "velocity-verlet", "verlet", "symplectic-euler", "leapfrog",          "euler",
+    "newmark",         "rk4",    "yoshida",          "adams-bashforth-2", "gear",
+    "cash-karp"};
 enum { INTEGRATORS = sizeof integrators / sizeof *integrators };
 
 /* Linear springs and friction under a given integrator. */
@@ -40,8 +40,8 @@ static void near_vector(const double *got, const double *expected, double tolera
 
 /* ---- motion ---- */
 
-static const double AXIS[3] = {2.0 / 3, 1.0 / 3, 2.0 / 3}, ABOUT[3] = {0.5, -0.5, 0.25},
-                    RATE = 1.5, VELOCITY = 0.7, AMPLITUDE = 0.05, FREQUENCY = 2.0;
+static const double AXIS[3] = {2.0 / 3, 1.0 / 3, 2.0 / 3}, ABOUT[3] = {0.5, -0.5, 0.25}, RATE = 1.5,
+                    VELOCITY = 0.7, AMPLITUDE = 0.05, FREQUENCY = 2.0;
 
 /* Place and velocity at time t of what was at p: turned about a point that moves. */
 static void carried(const double p[3], double t, double x[3], double v[3])
@@ -213,14 +213,14 @@ static void compare(const char *integrator, const char *heat, double friction)
 
 /* Without friction they differ by rounding, which contacts make larger, and, where laws see
  * velocities of the step's middle, by the normal that these are split with: two grains take the one
- * of that moment, a wall that of the end, (0.3 m/s)^2 dt/2/(0.2 m) = 5e-6 m/s in the speed that damping
- * sees. With friction, the displacement along
- * the surface is turned with the normal by two formulas that agree to first order in the angle of a
- * step: speed 0.6 m/s times the step over the distance 0.2 m, squared, 3e-9 in each of the 300
- * steps of a contact, relative to a displacement that makes up all of the change of spin (some 5
- * rad/s); and the two moments of the normal turn 5e-6 of the friction's 0.3 more or less. Velocities
- * of the wrong moment would give 1e-4 m/s without friction. The adaptive cash-karp chooses other sub-steps where there is one more body, so it is
- * left out. */
+ * of that moment, a wall that of the end, (0.3 m/s)^2 dt/2/(0.2 m) = 5e-6 m/s in the speed that
+ * damping sees. With friction, the displacement along the surface is turned with the normal by two
+ * formulas that agree to first order in the angle of a step: speed 0.6 m/s times the step over the
+ * distance 0.2 m, squared, 3e-9 in each of the 300 steps of a contact, relative to a displacement
+ * that makes up all of the change of spin (some 5 rad/s); and the two moments of the normal turn
+ * 5e-6 of the friction's 0.3 more or less. Velocities of the wrong moment would give 1e-4 m/s
+ * without friction. The adaptive cash-karp chooses other sub-steps where there is one more body, so
+ * it is left out. */
 START_TEST(a_body_is_a_ball_wall)
 {
     static const char *const heat[] = {"heat-euler", "heat-theta", "heat-exponential"};
@@ -278,9 +278,10 @@ static struct run drum(bool ring)
         scene_carry(s, k, wall);
     }
     if (!ring)
-        scene_primitive(s, wall,
-                        (struct calx_primitive){
-                            .shape = CALX_CYLINDER, .inside = true, .n = {0, 0, 1}, .radius = INNER});
+        scene_primitive(
+            s, wall,
+            (struct calx_primitive){
+                .shape = CALX_CYLINDER, .inside = true, .n = {0, 0, 1}, .radius = INNER});
     struct calx_motion *m = scene_motion(s, 0, wall);
     m->rate.value = TURN;
     m->axis[2] = 1.0;
