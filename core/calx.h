@@ -103,6 +103,12 @@ struct calx_frame {
     double *temperature_of_wall;
 };
 
+/* Whether body i is a grain: bodies of rigid groups serve as walls. */
+static inline bool calx_frame_is_grain(const struct calx_frame *f, size_t i)
+{
+    return !f->group || f->group[i] < 0;
+}
+
 /* with_contacts: fill the contact network too. NULL without memory. */
 struct calx_frame *calx_frame_create(struct calx_sim *, bool with_contacts);
 void calx_frame_free(struct calx_frame *);
