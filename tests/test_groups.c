@@ -395,6 +395,26 @@ START_TEST(a_group_that_is_too_fast_is_refused)
 }
 END_TEST
 
+/* Small bodies of a group do not shorten the step: what limits it is a pair of grains, with the
+ * reduced mass of half of one and velocity Verlet's limit omega dt = 2. */
+START_TEST(a_body_of_a_group_has_no_mass_to_vibrate)
+{
+    struct calx_scene *s = scene_create(2, CALX_DISCS, 3);
+    add_models(s, "velocity-verlet", 1e5, 1.0, -1.0, 0.0);
+    s->models[0].dt_fraction = 0.5;
+    int group = scene_group(s, "group");
+    scene_put(s, 0, 0.0, 1.0, 0.0, RADIUS);
+    for (size_t i = 1; i < 3; i++) {
+        scene_put(s, i, 0.02 * (double)i, 0.0, 0.0, 0.1 * RADIUS);
+        scene_carry(s, i, group);
+    }
+    struct run r = run_start(s, 1);
+    double alone = 0.5 * run_mass(&r, 0); /* two grains */
+    ck_assert_double_eq_tol(r.sim->plan->critical_dt, 2.0 * sqrt(alone / 1e5), 1e-12);
+    run_free(&r);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("groups");
@@ -405,6 +425,7 @@ int main(void)
     tcase_add_test(test, a_ring_carries_as_a_round_wall);
     tcase_add_test(test, energy_is_booked_between_two_groups);
     tcase_add_test(test, frames_tell_groups_apart);
+    tcase_add_test(test, a_body_of_a_group_has_no_mass_to_vibrate);
     tcase_add_test(test, a_group_that_is_too_fast_is_refused);
     suite_add_tcase(suite, test);
     SRunner *runner = srunner_create(suite);
