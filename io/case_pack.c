@@ -84,9 +84,11 @@ static bool read_inside(struct calx_reader *r, const xmlNode *node, struct calx_
     int wall = calx_case_wall(r, node, "inside");
     struct calx_error e = {0};
     if (wall >= 0 && r->scene->walls[wall].carries)
-        calx_case_fail(r, node, "inside",
-                       "'%s' is a group of particles, which encloses no region: give a box, circle, "
-                       "sphere or cylinder", r->scene->walls[wall].name);
+        calx_case_fail(
+            r, node, "inside",
+            "'%s' is a group of particles, which encloses no region: give a box, circle, "
+            "sphere or cylinder",
+            r->scene->walls[wall].name);
     if (wall < 0 || !r->scene->walls[wall]
                          .primitive_count) /* a wall without primitives is a mistake already told */
         return false;

@@ -16,7 +16,8 @@
 
 /* Streams of different elements are apart by odd multiples of 2^64 over the golden ratio. */
 #define SEED_STEP 0x9e3779b97f4a7c15u
-#define DRAW_STEP 0xd1342543de82ef95u /* large and odd: draws do not meet seeds that a person would write */
+#define DRAW_STEP                                                                                  \
+    0xd1342543de82ef95u /* large and odd: draws do not meet seeds that a person would write */
 
 const xmlNode *calx_case_bearer(const xmlNode *node, const char *name)
 {
@@ -234,12 +235,9 @@ static void read_body_element(struct calx_bed *bed, const xmlNode *node, uint64_
     static const struct {
         const char *id;
         void (*read)(struct calx_bed *, struct calx_group *);
-    } readers[] = {{"particle", read_particle},
-                   {"grid", calx_case_read_grid},
-                   {"pack", calx_case_read_pack},
-                   {"csv", calx_case_read_csv},
-                   {"row", calx_case_read_row},
-                   {"ring", calx_case_read_ring}};
+    } readers[] = {{"particle", read_particle},   {"grid", calx_case_read_grid},
+                   {"pack", calx_case_read_pack}, {"csv", calx_case_read_csv},
+                   {"row", calx_case_read_row},   {"ring", calx_case_read_ring}};
     struct calx_group group = read_group(bed->reader, node, ordinal);
     for (size_t k = 0; k < sizeof readers / sizeof *readers; k++)
         if (strcmp(readers[k].id, calx_case_element(node)->id) == 0)

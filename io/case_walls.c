@@ -277,11 +277,15 @@ static void read_group(struct calx_reader *r, const xmlNode *node)
     wall->carries = true;
     wall->isothermal = calx_case_yes(r, node, "isothermal");
     if (wall->isothermal && !calx_case_function(r, bearer, "temperature", &wall->temperature))
+        calx_case_fail(r, node, "isothermal", "needs a temperature, here or on <particles>");
+    if (wall->isothermal && wall->temperature.eval)
         calx_case_fail(r, node, "isothermal",
-                       "needs a temperature, here or on <particles>");
+                       "its temperature varies in space, expected one number; stages may give it as "
+                       "an expression of t");
     if (!xmlFirstElementChild((xmlNode *)(uintptr_t)node))
-        calx_case_fail(r, node, NULL,
-                       "has no body, expected <ring>, <row>, <grid>, <particle>, <csv> or <pack> inside");
+        calx_case_fail(
+            r, node, NULL,
+            "has no body, expected <ring>, <row>, <grid>, <particle>, <csv> or <pack> inside");
 }
 
 void calx_case_read_walls(struct calx_reader *r)

@@ -87,9 +87,12 @@ static const struct calx_element grid = {"grid", "grid", "Bodies on a rectangula
 
 #define ALONG_ROWS                                                                                 \
     {"count", WHOLE, NULL, NULL, NULL, 1, INFINITY, 0, "number of bodies"},                        \
-        {"spacing", QUANTITY, "m", NULL, NULL, POSITIVE,                                           \
-         "centres of neighbours are no farther apart, instead of count; with neither, twice the "  \
-         "radius"}
+    {                                                                                              \
+        "spacing", QUANTITY, "m", NULL, NULL, POSITIVE,                                            \
+            "centres of neighbours are no farther apart, instead of count; with neither, twice "   \
+            "the "                                                                                 \
+            "radius"                                                                               \
+    }
 
 static const struct calx_attribute row_attributes[] = {
     {"from", VECTOR, "m", NULL, NULL, A_NEEDED_PLACE, "centre of the first body"},
@@ -112,9 +115,9 @@ static const struct calx_attribute ring_attributes[] = {
     ALONG_ROWS,
     RADIUS_ROW,
     COMMON_ROWS};
-static const struct calx_element ring = {
-    "ring", "ring", "Bodies on a circle or an arc, at equal distances.",
-    ATTRIBUTES(ring_attributes)};
+static const struct calx_element ring = {"ring", "ring",
+                                         "Bodies on a circle or an arc, at equal distances.",
+                                         ATTRIBUTES(ring_attributes)};
 
 static const struct calx_attribute pack_attributes[] = {
     {"box", CALX_FORM_LIST, "m", NULL, NULL, A_PLACE,
@@ -162,8 +165,9 @@ static const struct calx_attribute particles_attributes[] = {
     {"seed", WHOLE, NULL, NULL, NULL, NO_RANGE, "of random numbers"},
     {"radius", CALX_FORM_SIZES, "m", NULL, NULL, A_RADIUS, "radius, as in pack"},
     COMMON_ROWS};
-static const struct calx_child particles_children[] = {
-    {&particle, '*'}, {&csv, '*'}, {&grid, '*'}, {&pack, '*'}, {&row, '*'}, {&ring, '*'}, {&group, '*'}};
+static const struct calx_child particles_children[] = {{&particle, '*'}, {&csv, '*'}, {&grid, '*'},
+                                                       {&pack, '*'},     {&row, '*'}, {&ring, '*'},
+                                                       {&group, '*'}};
 const struct calx_element calx_element_particles = {
     "particles", "particles",
     "Bodies. The attributes hold for all elements inside that do not say otherwise. Ids count from "

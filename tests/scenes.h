@@ -43,6 +43,9 @@ void scene_model1(struct calx_scene *, enum calx_kind, const char *plugin, const
  * velocity Verlet with dt. */
 void scene_linear(struct calx_scene *, double stiffness, double restitution, double friction,
                   double dt);
+/* The same with another integrator of motion. */
+void scene_linear_by(struct calx_scene *, const char *integrator, double stiffness,
+                     double restitution, double friction, double dt);
 
 void scene_put(struct calx_scene *, size_t i, double x, double y, double z, double radius);
 void scene_move(struct calx_scene *, size_t i, double vx, double vy, double vz);
