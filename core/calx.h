@@ -81,6 +81,7 @@ struct calx_frame {
     double *mass;
     int32_t *material;
     int32_t *contacts;       /* coordination number */
+    int32_t *group;          /* number of the rigid group, -1: none; NULL without groups */
     /* contact network */
     size_t contact_count;
     int64_t (*pair)[2];            /* ids; a wall w is -1 - w */
@@ -96,7 +97,17 @@ struct calx_frame {
     double *wall_temperature; /* per cell, K; NaN if insulated; NULL without temperature */
     double (*wall_force)[3];  /* per cell: the force of the grains on its wall, N */
     bool walls_changed;       /* since the frame before */
+    /* per wall of the scene, groups included: the same numbers once more */
+    size_t walls;
+    double (*force_on_wall)[3];
+    double *temperature_of_wall;
 };
+
+/* Whether body i is a grain: bodies of rigid groups serve as walls. */
+static inline bool calx_frame_is_grain(const struct calx_frame *f, size_t i)
+{
+    return !f->group || f->group[i] < 0;
+}
 
 /* with_contacts: fill the contact network too. NULL without memory. */
 struct calx_frame *calx_frame_create(struct calx_sim *, bool with_contacts);

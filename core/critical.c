@@ -103,13 +103,32 @@ static double pair_limit(const struct calx_scene *scene, const struct calx_plan 
     return limit;
 }
 
-/* The smallest radius of each material among particles; infinite if it has none. */
-static double smallest_radius(const struct calx_scene *scene, size_t material)
+static bool is_held(const struct calx_particles *p, size_t i)
 {
-    double radius = INFINITY;
-    for (size_t i = 0; i < scene->particles.count; i++)
-        if ((size_t)scene->particles.material[i] == material)
-            radius = fmin(radius, scene->particles.radius[i]);
+    return (p->fixed && p->fixed[i]) || (p->carrier && p->carrier[i] >= 0);
+}
+
+/* In a scene of held bodies alone the step matters to nobody; one is found as if they were free. */
+static bool anybody_free(const struct calx_particles *p)
+{
+    for (size_t i = 0; i < p->count; i++)
+        if (!is_held(p, i))
+            return true;
+    return false;
+}
+
+/* Of the bodies of a material: the smallest radius of those that impacts move, the lightest, or the largest of those that are held or
+ * carried, on which contacts are stiffest. any_free: some bodies of the scene are not held. 0 if it has none. */
+static double extreme_radius(const struct calx_scene *scene, size_t material, bool held, bool any_free)
+{
+    const struct calx_particles *p = &scene->particles;
+    double radius = 0.0;
+    for (size_t i = 0; i < p->count; i++) {
+        if ((size_t)p->material[i] != material || (any_free && is_held(p, i)) != held)
+            continue;
+        if (radius == 0.0 || (held ? p->radius[i] > radius : p->radius[i] < radius))
+            radius = p->radius[i];
+    }
     return radius;
 }
 
@@ -129,20 +148,24 @@ int calx_critical_step(struct calx_sim *s, struct calx_plan *p, struct calx_erro
     const struct calx_scene *scene = s->scene;
     size_t n = scene->material_count;
     double speed = calx_critical_speed(scene);
+    bool any_free = anybody_free(&scene->particles);
     (void)e;
     p->critical_dt = p->shortest = INFINITY;
     for (size_t type = 0; p->motion && p->law_count && type < n * n; type++) {
         size_t m[2] = {type / n, type % n};
         struct pair_case c = {.type = type};
-        for (int q = 0; q < 2; q++) {
-            c.radius[q] = smallest_radius(scene, m[q]);
-            c.mass[q] = calx_particle_mass(scene, c.radius[q], scene->materials[m[q]].density);
+        for (int q = 0; q < 2; q++)
             c.name[q] = scene->materials[m[q]].name;
-        }
-        if (!isfinite(c.radius[0]))
+        c.radius[0] = extreme_radius(scene, m[0], false, any_free);
+        c.mass[0] = calx_particle_mass(scene, c.radius[0], scene->materials[m[0]].density);
+        if (!(c.radius[0] > 0.0))
             continue;
-        if (isfinite(c.radius[1]) && scene->particles.count > 1)
-            consider(s, p, &c, speed);
+        for (int held = 0; held < 2; held++) {
+            c.radius[1] = extreme_radius(scene, m[1], held, any_free);
+            c.mass[1] = held ? INFINITY : calx_particle_mass(scene, c.radius[1], scene->materials[m[1]].density);
+            if (c.radius[1] > 0.0 && scene->particles.count > 1)
+                consider(s, p, &c, speed);
+        }
         if (s->material_used[m[1]] & 2) {
             c.radius[1] = 0.0;
             c.mass[1] = INFINITY;

@@ -19,6 +19,8 @@ static int allocate(const struct calx_sim *s, struct calx_frame *f)
     f->mass = calx_memory_zeroed(n, sizeof *f->mass);
     f->material = calx_memory_zeroed(n, sizeof *f->material);
     f->contacts = calx_memory_zeroed(n, sizeof *f->contacts);
+    if (s->scene->particles.carrier)
+        f->group = calx_memory_zeroed(n, sizeof *f->group);
     if (s->features.rotation)
         f->spin = calx_memory_zeroed(n, sizeof *f->spin);
     if (s->features.temperature) {
@@ -26,8 +28,17 @@ static int allocate(const struct calx_sim *s, struct calx_frame *f)
         f->heat = calx_memory_zeroed(n, sizeof *f->heat);
     }
     return !f->id || !f->position || !f->radius || !f->velocity || !f->mass || !f->material || !f->contacts ||
-           (s->features.contacts && !f->force) || (s->features.rotation && !f->spin) ||
+           (s->scene->particles.carrier && !f->group) || (s->features.contacts && !f->force) || (s->features.rotation && !f->spin) ||
            (s->features.temperature && (!f->temperature || !f->heat));
+}
+
+/* Groups are numbered from 0 in the order of the scene. */
+static int32_t group_number(const struct calx_scene *scene, int32_t carrier)
+{
+    int32_t number = -1;
+    for (int32_t w = 0; w <= carrier; w++)
+        number += scene->walls[w].carries;
+    return number;
 }
 
 static void copy_particle(const struct calx_sim *s, int32_t row, struct calx_frame *f)
@@ -40,6 +51,8 @@ static void copy_particle(const struct calx_sim *s, int32_t row, struct calx_fra
     f->radius[i] = x[3];
     f->mass[i] = calx_particle_mass(s->scene, x[3], m->density);
     f->material[i] = s->r.material[row];
+    if (f->group)
+        f->group[i] = group_number(s->scene, s->scene->particles.carrier[i]);
     for (int k = 0; k < 3; k++) {
         f->position[i][k] = x[k];
         f->velocity[i][k] = v[k];
@@ -83,7 +96,8 @@ void calx_frame_free(struct calx_frame *f)
     void *all[] = {f->id, f->position, f->radius, f->velocity, f->spin, f->force, f->temperature, f->heat,
                    f->mass, f->material, f->contacts, f->pair, f->pair_position, f->normal_force,
                    f->tangential_force, f->heat_flow, f->overlap, f->status, f->wall_position, f->wall_cell,
-                   f->wall_of_cell, f->wall_velocity, f->wall_temperature, f->wall_force};
+                   f->wall_of_cell, f->wall_velocity, f->wall_temperature, f->wall_force, f->group,
+                   f->force_on_wall, f->temperature_of_wall};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         free(all[k]);
     free(f);

@@ -5,6 +5,7 @@
  */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "core/frame.h"
 
@@ -202,6 +203,19 @@ static int allocate(struct calx_sim *s, struct calx_frame *f)
            (s->features.temperature && !f->wall_temperature);
 }
 
+static int copy_totals(const struct calx_sim *s, struct calx_frame *f)
+{
+    f->walls = s->scene->wall_count;
+    f->force_on_wall = calx_memory_zeroed(f->walls, sizeof *f->force_on_wall);
+    f->temperature_of_wall = s->features.temperature ? calx_memory_zeroed(f->walls, sizeof(double)) : NULL;
+    if (!f->force_on_wall || (s->features.temperature && !f->temperature_of_wall))
+        return 1;
+    memcpy(f->force_on_wall, s->wall_force, f->walls * sizeof *f->force_on_wall);
+    for (size_t w = 0; f->temperature_of_wall && w < f->walls; w++)
+        f->temperature_of_wall[w] = s->scene->walls[w].isothermal ? s->wall_temperature[w] : NAN;
+    return 0;
+}
+
 int calx_frame_walls(struct calx_sim *s, struct calx_frame *f)
 {
     static void (*const mesh_of[])(struct mesh *, int32_t, const struct calx_primitive *) = {
@@ -210,6 +224,8 @@ int calx_frame_walls(struct calx_sim *s, struct calx_frame *f)
     struct mesh m = {.s = s, .f = f};
     f->walls_changed = s->walls_changed;
     s->walls_changed = false;
+    if (copy_totals(s, f))
+        return 1;
     if (!s->primitive_count)
         return 0;
     if (allocate(s, f))
@@ -220,9 +236,9 @@ int calx_frame_walls(struct calx_sim *s, struct calx_frame *f)
     for (size_t c = 0; c < f->wall_cells; c++) {
         int32_t wall = f->wall_of_cell[c];
         for (int k = 0; k < 3; k++)
-            f->wall_force[c][k] = s->wall_force[wall][k];
+            f->wall_force[c][k] = f->force_on_wall[wall][k];
         if (f->wall_temperature)
-            f->wall_temperature[c] = s->scene->walls[wall].isothermal ? s->wall_temperature[wall] : NAN;
+            f->wall_temperature[c] = f->temperature_of_wall[wall];
     }
     return 0;
 }

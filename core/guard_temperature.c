@@ -21,6 +21,8 @@ static void add_row(const struct calx_sim *s, int32_t row, struct excess *x)
 {
     double c = 1.0 / s->r.inverse_capacity[row], t = calx_row_v(s, row)[7];
     double over = t - s->hottest, under = s->coldest - t, out = fmax(over, under);
+    if (!isfinite(c)) /* its temperature is given */
+        return;
     x->capacity += c;
     x->above += over > 0.0 ? c * over : 0.0;
     x->below += under > 0.0 ? c * under : 0.0;

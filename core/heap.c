@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * The shape of a bed: slopes of a 2D heap's free surface, and its height.
+ * The shape of a bed, without bodies of rigid groups: slopes of a 2D heap's free surface, and its height.
  * Input: a frame. Output: degrees, metres.
  * Method: the surface is the highest point of the grains in columns of one mean diameter. From the
  * highest column outwards to the foot (the first column that holds no second layer: surface below
@@ -22,21 +22,27 @@ static bool make_surface(const struct calx_frame *f, struct surface *s)
 {
     const double most = 1e6; /* columns: a grain that flew away must not cost the memory */
     double low = INFINITY, high = -INFINITY, sum = 0;
+    double n = 0;
     *s = (struct surface){.base = INFINITY};
     for (size_t i = 0; i < f->n; ++i) {
+        if (!calx_frame_is_grain(f, i))
+            continue;
+        n += 1;
         low = fmin(low, f->position[i][0]);
         high = fmax(high, f->position[i][0]);
         s->base = fmin(s->base, f->position[i][1] - f->radius[i]);
         sum += f->radius[i];
     }
-    s->width = 2 * sum / (double)f->n;
-    if (f->n == 0 || !((high - low) / s->width < most))
+    s->width = 2 * sum / n;
+    if (n == 0 || !((high - low) / s->width < most))
         return false;
     s->columns = (size_t)((high - low) / s->width) + 1;
     s->height = malloc(s->columns * sizeof *s->height);
     for (size_t c = 0; s->height && c < s->columns; ++c)
         s->height[c] = -INFINITY;
     for (size_t i = 0; s->height && i < f->n; ++i) {
+        if (!calx_frame_is_grain(f, i))
+            continue;
         size_t c = (size_t)((f->position[i][0] - low) / s->width);
         s->height[c] = fmax(s->height[c], f->position[i][1] + f->radius[i]);
         if (s->height[c] > s->height[s->top])
@@ -77,10 +83,12 @@ double calx_heap_height(const struct calx_frame *f, const double up[3])
 {
     double low = INFINITY, high = -INFINITY;
     for (size_t i = 0; i < f->n; ++i) {
+        if (!calx_frame_is_grain(f, i))
+            continue;
         double h =
             f->position[i][0] * up[0] + f->position[i][1] * up[1] + f->position[i][2] * up[2];
         low = fmin(low, h - f->radius[i]);
         high = fmax(high, h + f->radius[i]);
     }
-    return f->n ? high - low : 0;
+    return high >= low ? high - low : 0;
 }

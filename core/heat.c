@@ -41,6 +41,7 @@ static void take_wall_heat(struct calx_sim *s)
 struct network_arrays {
     double *temperature, *capacity, *source, *h, *bh, *bt, *heat;
     int32_t *i, *j, *bi;
+    size_t edges, boundaries;
 };
 
 static int allocate(const struct calx_sim *s, struct network_arrays *a, size_t edges, size_t boundaries)
@@ -73,37 +74,52 @@ static void fill_nodes(struct calx_sim *s, struct network_arrays *a)
         release_store(s, &s->blocks[b]);
         for (int32_t row = s->blocks[b].first; row < s->blocks[b].first + s->blocks[b].own; row++, k++) {
             a->temperature[k] = calx_row_v(s, row)[7];
-            a->capacity[k] = 1.0 / s->r.inverse_capacity[row];
-            a->source[k] = calx_row_a(s, row)[7];
+            bool given = s->r.inverse_capacity[row] == 0.0; /* no edge reaches this node */
+            a->capacity[k] = given ? 1.0 : 1.0 / s->r.inverse_capacity[row];
+            a->source[k] = given ? 0.0 : calx_row_a(s, row)[7];
         }
+    }
+}
+
+static void add_boundary(const struct calx_sim *s, struct network_arrays *a, int32_t row, double h, double t)
+{
+    size_t w = a->boundaries++;
+    a->bi[w] = place_of_row(s, row);
+    a->bh[w] = h;
+    a->bt[w] = t;
+}
+
+/* A body of given temperature is a boundary to the others. */
+static void add_edge(const struct calx_sim *s, struct network_arrays *a, int32_t i, int32_t j, double h)
+{
+    bool i_given = s->r.inverse_capacity[i] == 0.0, j_given = s->r.inverse_capacity[j] == 0.0;
+    if (i_given != j_given) {
+        add_boundary(s, a, i_given ? j : i, h, calx_row_v(s, i_given ? i : j)[7]);
+    } else if (!i_given) {
+        a->i[a->edges] = place_of_row(s, i);
+        a->j[a->edges] = place_of_row(s, j);
+        a->h[a->edges++] = h;
     }
 }
 
 static void fill_edges(const struct calx_sim *s, struct network_arrays *a)
 {
-    size_t e = 0, w = 0;
     for (size_t b = 0; b < s->block_count; b++) {
         size_t first = s->groups[s->blocks[b].group_first].first, near = s->blocks[b].near_first;
-        for (size_t k = first; k < first + s->tallies[b].edges; k++, e++) {
-            a->i[e] = place_of_row(s, s->edge_i[k]);
-            a->j[e] = place_of_row(s, s->edge_j[k]);
-            a->h[e] = s->edge_h[k];
-        }
-        for (size_t k = near; k < near + s->tallies[b].boundaries; k++, w++) {
-            a->bi[w] = place_of_row(s, s->boundary_i[k]);
-            a->bh[w] = s->boundary_h[k];
-            a->bt[w] = s->boundary_t[k];
-        }
+        for (size_t k = first; k < first + s->tallies[b].edges; k++)
+            add_edge(s, a, s->edge_i[k], s->edge_j[k], s->edge_h[k]);
+        for (size_t k = near; k < near + s->tallies[b].boundaries; k++)
+            add_boundary(s, a, s->boundary_i[k], s->boundary_h[k], s->boundary_t[k]);
     }
 }
 
-static void take_temperatures(struct calx_sim *s, const struct network_arrays *a, size_t boundaries)
+static void take_temperatures(struct calx_sim *s, const struct network_arrays *a)
 {
     size_t k = 0;
     for (size_t b = 0; b < s->block_count; b++)
         for (int32_t row = s->blocks[b].first; row < s->blocks[b].first + s->blocks[b].own; row++, k++)
             calx_row_v(s, row)[7] = a->temperature[k];
-    for (size_t w = 0; w < boundaries; w++)
+    for (size_t w = 0; w < a->boundaries; w++)
         s->wall_heat += a->heat[w];
 }
 
@@ -116,21 +132,21 @@ static int step_global(struct calx_sim *s, struct calx_error *e)
         edges += s->tallies[b].edges;
         boundaries += s->tallies[b].boundaries;
     }
-    if (allocate(s, &a, edges, boundaries)) {
+    if (allocate(s, &a, edges, boundaries + edges)) {
         release(&a);
         return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for %zu thermal contacts", edges);
     }
     fill_nodes(s, &a);
     fill_edges(s, &a);
     struct calx_network net = {.size = sizeof net, .n = s->n, .dt = s->heat_dt, .temperature = a.temperature,
-                               .capacity = a.capacity, .source = a.source, .edges = edges, .edge = {a.i, a.j},
-                               .edge_conductance = a.h, .boundaries = boundaries, .boundary = a.bi,
+                               .capacity = a.capacity, .source = a.source, .edges = a.edges, .edge = {a.i, a.j},
+                               .edge_conductance = a.h, .boundaries = a.boundaries, .boundary = a.bi,
                                .boundary_conductance = a.bh, .boundary_temperature = a.bt,
                                .boundary_heat = a.heat};
     char why[256] = "";
     int failed = p->heat_law->solve(p->heat_params, &net, why, sizeof why);
     if (!failed)
-        take_temperatures(s, &a, boundaries);
+        take_temperatures(s, &a);
     release(&a);
     if (failed)
         return calx_error_set(e, CALX_ERROR_PHYSICS, "at t = %g s the integrator of temperature %s failed: %s",

@@ -238,6 +238,8 @@ void CALX_ISA(calx_block_finish)(struct calx_sim *s, size_t block, const struct 
     double largest = 0.0, moved2 = 0.0;
     calx_timing_restart(clock);
     collect_ghosts(s, b, a);
+    if (b->carried_count)
+        calx_carried_take(s, block, pass, a);
     part_begin(&p, s);
     for (size_t row = 0; row < (size_t)b->own; row += AT_A_TIME) {
         part_at(&p, b, row, a);
@@ -248,6 +250,8 @@ void CALX_ISA(calx_block_finish)(struct calx_sim *s, size_t block, const struct 
             warm(&p);
         else if (pass->store)
             store_heat(&p, pass->dt);
+        if (b->carried_count)
+            calx_carried_settle(s, b, p.first, p.n);
         if (pass->ahead) {
             double speed2 = before(&p, s->plan->motion_law->start);
             largest = speed2 > largest ? speed2 : largest;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * The mixing index of Lacey (1954), M = (s0^2 - s^2)/(s0^2 - sr^2): 0 for grains apart, 1 on
- * average at random. Input: a frame and a class, 0 or 1, for each grain. Output: the index. Method:
+ * average at random; bodies of rigid groups are no grains. Input: a frame and a class, 0 or 1, for each grain. Output: the index. Method:
  * cubic cells (squares in 2D) fixed in space, whatever the walls do. s^2 is the variance of the
  * share of class 1 over the occupied cells, each weighted by its grains, so that a cell at the rim
  * with two grains counts little. With C cells and N grains, grains shuffled at random have exactly
@@ -36,42 +36,51 @@ static int order_cells(const void *a, const void *b)
 static double automatic_cell(const struct calx_frame *f)
 {
     const double grains = 8, area = 0.8, volume = 0.6;
-    double sum = 0;
+    double sum = 0, n = 0;
     for (size_t i = 0; i < f->n; ++i)
-        sum += f->radius[i];
-    double r = sum / (double)f->n;
+        if (calx_frame_is_grain(f, i)) {
+            sum += f->radius[i];
+            n += 1;
+        }
+    double r = sum / n;
     return f->dimension == 2 ? r * sqrt(grains * M_PI / area)
                              : r * cbrt(grains * 4.0 / 3.0 * M_PI / volume);
 }
 
 static struct grain_cell *sort_into_cells(const struct calx_frame *f, const uint8_t *classes,
-                                          double cell)
+                                          double cell, size_t *count)
 {
     struct grain_cell *grains = calloc(f->n, sizeof *grains);
-    if (!grains)
-        return NULL;
-    for (size_t i = 0; i < f->n; ++i) {
+    *count = 0;
+    for (size_t i = 0; grains && i < f->n; ++i) {
+        if (!calx_frame_is_grain(f, i))
+            continue;
+        struct grain_cell *to = &grains[(*count)++];
         for (uint32_t k = 0; k < f->dimension; ++k)
-            grains[i].at[k] = (int64_t)floor(f->position[i][k] / cell);
-        grains[i].ones = classes[i];
+            to->at[k] = (int64_t)floor(f->position[i][k] / cell);
+        to->ones = classes[i];
     }
-    qsort(grains, f->n, sizeof *grains, order_cells);
+    if (grains)
+        qsort(grains, *count, sizeof *grains, order_cells);
     return grains;
 }
 
 double calx_lacey_index(const struct calx_frame *f, const uint8_t *classes, double cell)
 {
-    double n = (double)f->n, ones = 0, cells = 0, squares = 0;
+    double ones = 0, cells = 0, squares = 0;
+    size_t count = 0;
     struct grain_cell *grains =
-        f->n > 1 ? sort_into_cells(f, classes, cell > 0 ? cell : automatic_cell(f)) : NULL;
-    if (!grains)
+        f->n > 1 ? sort_into_cells(f, classes, cell > 0 ? cell : automatic_cell(f), &count) : NULL;
+    if (count < 2) {
+        free(grains);
         return NAN;
-    for (size_t i = 0; i < f->n; ++i)
+    }
+    for (size_t i = 0; i < count; ++i)
         ones += grains[i].ones;
-    double p = ones / n;
-    for (size_t i = 0, end; i < f->n; i = end) {
+    double n = (double)count, p = ones / n;
+    for (size_t i = 0, end; i < count; i = end) {
         double inside = 0;
-        for (end = i; end < f->n && order_cells(&grains[i], &grains[end]) == 0; ++end)
+        for (end = i; end < count && order_cells(&grains[i], &grains[end]) == 0; ++end)
             inside += grains[end].ones;
         double size = (double)(end - i), difference = inside / size - p;
         squares += size * difference * difference;
@@ -159,11 +168,14 @@ void calx_lacey_classes(const struct calx_frame *f, const char *name, const doub
     double *sorted = kind < KINDS && n > 0 ? malloc(n * sizeof *sorted) : NULL;
     if (!sorted)
         return;
+    size_t count = 0;
     for (size_t i = 0; i < n; ++i)
-        sorted[i] = kinds[kind].key(f, i, up);
-    qsort(sorted, n, sizeof *sorted, order_doubles);
-    double bound = kinds[kind].highest ? sorted[n - 1] : sorted[n / 2];
+        if (calx_frame_is_grain(f, i))
+            sorted[count++] = kinds[kind].key(f, i, up);
+    qsort(sorted, count, sizeof *sorted, order_doubles);
+    double bound = !count ? 0 : kinds[kind].highest ? sorted[count - 1] : sorted[count / 2];
     for (size_t i = 0; i < n; ++i)
-        classes[i] = kinds[kind].key(f, i, up) >= bound && sorted[0] < bound;
+        classes[i] = calx_frame_is_grain(f, i) && kinds[kind].key(f, i, up) >= bound &&
+                     sorted[0] < bound;
     free(sorted);
 }

@@ -17,7 +17,7 @@ static void add_particle(const struct calx_sim *s, int32_t row, struct sums *out
 {
     const double *x = calx_row_x(s, row), *v = calx_row_v(s, row);
     double inertia = calx_particle_inertia_factor(s->scene) * x[3] * x[3];
-    if (s->r.inverse_capacity)
+    if (s->r.inverse_capacity && s->r.inverse_capacity[row] > 0.0)
         out->heat += (long double)v[7] / (long double)s->r.inverse_capacity[row];
     if (v[3] <= 0.0)
         return;

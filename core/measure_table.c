@@ -190,28 +190,20 @@ static bool max_overlap_relative(const struct calx_measure_view *v, double out[3
     return largest_overlap(v, true, out);
 }
 
-/* The first cell of the probe's wall in the frame, or -1: every cell of a wall carries the values
- * of the whole wall. */
-static int64_t wall_cell(const struct calx_frame *f, int wall)
-{
-    for (size_t c = 0; f && c < f->wall_cells; ++c)
-        if (f->wall_of_cell[c] == wall)
-            return (int64_t)c;
-    return -1;
-}
-
 static bool wall_force(const struct calx_measure_view *v, double out[3])
 {
     const struct calx_frame *f = calx_measure_frame(v->sim);
-    int64_t c = wall_cell(f, v->probe->wall);
-    return c >= 0 && copy3((const double(*)[3])f->wall_force, (size_t)c, out);
+    int wall = v->probe->wall;
+    return f && wall >= 0 && (size_t)wall < f->walls &&
+           copy3((const double(*)[3])f->force_on_wall, (size_t)wall, out);
 }
 
 static bool wall_temperature(const struct calx_measure_view *v, double out[3])
 {
     const struct calx_frame *f = calx_measure_frame(v->sim);
-    int64_t c = wall_cell(f, v->probe->wall);
-    return c >= 0 && copy1(f->wall_temperature, (size_t)c, out);
+    int wall = v->probe->wall;
+    return f && wall >= 0 && (size_t)wall < f->walls &&
+           copy1(f->temperature_of_wall, (size_t)wall, out);
 }
 
 /* The classes belong to the probe of that name, which the caller may hold a copy of. */

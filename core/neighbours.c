@@ -334,6 +334,7 @@ int calx_neighbours_build(struct calx_sim *s, struct calx_error *e)
     clear(&r, lists);
     if (failed)
         return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for the lists of %zu particles", s->n);
+    CALX_TRY(calx_carried_list(s, e));
     s->drift = s->wall_drift = 0.0;
     calx_timing_lap(clock, CALX_PHASE_NEIGHBOURS);
     s->built = true;

@@ -18,6 +18,7 @@ enum calx_sizes_kind {
     CALX_SIZES_NORMAL,    /* mean a, standard deviation b, drawn again until within min ... max */
     CALX_SIZES_LOGNORMAL, /* mean a, standard deviation b of the radius itself; likewise */
     CALX_SIZES_MASSES,    /* classes of radius list[i] with the share weight[i] of the solid mass */
+    CALX_SIZES_NUMBERS,   /* the same, weight[i] its share of the number of bodies */
     CALX_SIZES_LIST       /* exactly the radii list[0 ... count-1], once each */
 };
 
@@ -27,10 +28,19 @@ struct calx_sizes {
     enum calx_sizes_kind kind;
     double a, b;
     double min, max; /* normal, lognormal */
-    size_t count;    /* masses, list */
+    size_t count;    /* masses, numbers, list */
     const double *list;
-    const double *weight; /* masses: any positive scale */
+    const double *weight; /* masses, numbers: any positive scale */
 };
+
+/* The largest radius that can come, m; infinite if there is no bound. */
+double calx_pack_largest(const struct calx_sizes *sizes);
+
+/* Radii (m) of `count` bodies, or (count = 0) of as many as make the solid area (in 3D: volume)
+ * `solid`, in random order; the same seed gives the same. *radius, of *drawn numbers, is to be
+ * freed. Fails on a distribution that is empty and on too many bodies. */
+int calx_pack_radii(const struct calx_sizes *sizes, uint32_t dimension, size_t count, double solid,
+                    uint64_t seed, double **radius, size_t *drawn, struct calx_error *error);
 
 /* What was placed, in the order in which the sizes were drawn (so ids are not sorted by size); free
  * with calx_packing_free(). */

@@ -2,7 +2,8 @@
  *
  * Radii of the bodies of a packing. Input: a distribution and how many or how much; output: radii
  * in m in random order. By mass fractions w_i of classes of radius r_i the numbers are n_i ~
- * w_i/v_i with v_i the area or volume of a body: exact shares rounded by largest remainders, not
+ * w_i/v_i with v_i the area or volume of a body (in 2D, of a share f of an area A: n_i = 4 f w_i
+ * A/(pi d_i^2)), by number fractions n_i ~ w_i: exact shares rounded by largest remainders, not
  * draws. Truncated distributions draw again what falls outside.
  */
 #include <math.h>
@@ -31,15 +32,16 @@ static const char *list_mistake(const struct calx_sizes *sizes)
     for (size_t i = 0; i < sizes->count; i++) {
         if (!positive(sizes->list[i]))
             return "radii must be positive";
-        if (sizes->kind == CALX_SIZES_MASSES && !positive(sizes->weight[i]))
-            return "mass fractions must be positive";
+        if (sizes->kind != CALX_SIZES_LIST && !positive(sizes->weight[i]))
+            return sizes->kind == CALX_SIZES_MASSES ? "mass fractions must be positive"
+                                                    : "number fractions must be positive";
     }
     return NULL;
 }
 
 const char *calx_pack_sizes_mistake(const struct calx_sizes *sizes)
 {
-    if (sizes->kind == CALX_SIZES_MASSES || sizes->kind == CALX_SIZES_LIST)
+    if (sizes->kind >= CALX_SIZES_MASSES)
         return list_mistake(sizes);
     if (!positive(sizes->a))
         return "the radius must be positive";
@@ -145,23 +147,30 @@ static int draw_each(const struct calx_sizes *sizes, uint32_t dimension, size_t 
     return CALX_OK;
 }
 
+/* In proportion to the number of bodies of class i. */
+static double number_of(const struct calx_sizes *sizes, uint32_t dimension, size_t i)
+{
+    double own = calx_pack_sizes_solid(dimension, sizes->list[i]);
+    return sizes->kind == CALX_SIZES_MASSES ? sizes->weight[i] / own : sizes->weight[i];
+}
+
 /* Of class i its share of `total` numbers, cumulated: rounding the sums makes the parts add up to
  * the whole. */
-static int draw_masses(const struct calx_sizes *sizes, uint32_t dimension, size_t count,
+static int draw_shares(const struct calx_sizes *sizes, uint32_t dimension, size_t count,
                        double solid, struct radii *radii, struct calx_error *error)
 {
-    double numbers = 0, weights = 0, upto = 0;
+    double numbers = 0, solids = 0, upto = 0;
     for (size_t i = 0; i < sizes->count; i++) {
-        weights += sizes->weight[i];
-        numbers += sizes->weight[i] / calx_pack_sizes_solid(dimension, sizes->list[i]);
+        double number = number_of(sizes, dimension, i);
+        solids += number * calx_pack_sizes_solid(dimension, sizes->list[i]);
+        numbers += number;
     }
-    double total = count > 0 ? (double)count : solid * numbers / weights;
+    double total = count > 0 ? (double)count : solid * numbers / solids;
     if (!(total <= (double)most_bodies))
         return calx_error_set(error, CALX_ERROR_INPUT, "more than %zu bodies to place",
                               most_bodies);
     for (size_t i = 0; i < sizes->count; i++) {
-        upto +=
-            sizes->weight[i] / calx_pack_sizes_solid(dimension, sizes->list[i]) / numbers * total;
+        upto += number_of(sizes, dimension, i) / numbers * total;
         while ((double)radii->count < nearbyint(upto))
             CALX_TRY(append(radii, sizes->list[i], error));
     }
@@ -193,8 +202,8 @@ int calx_pack_sizes_draw(const struct calx_sizes *sizes, uint32_t dimension, siz
     int code;
     if (sizes->kind == CALX_SIZES_LIST) {
         code = draw_list(sizes, &radii, error);
-    } else if (sizes->kind == CALX_SIZES_MASSES) {
-        code = draw_masses(sizes, dimension, count, solid, &radii, error);
+    } else if (sizes->kind == CALX_SIZES_MASSES || sizes->kind == CALX_SIZES_NUMBERS) {
+        code = draw_shares(sizes, dimension, count, solid, &radii, error);
         shuffle(&radii, random);
     } else {
         code = draw_each(sizes, dimension, count, solid, random, &radii, error);
@@ -204,4 +213,33 @@ int calx_pack_sizes_draw(const struct calx_sizes *sizes, uint32_t dimension, siz
     *radius = code ? NULL : radii.list;
     *drawn = code ? 0 : radii.count;
     return code;
+}
+
+double calx_pack_largest(const struct calx_sizes *sizes)
+{
+    double largest = 0;
+    if (sizes->kind == CALX_SIZES_FIXED)
+        return sizes->a;
+    if (sizes->kind == CALX_SIZES_UNIFORM)
+        return sizes->b;
+    if (sizes->kind < CALX_SIZES_MASSES && sizes->max > 0)
+        return sizes->max;
+    if (sizes->kind < CALX_SIZES_MASSES)
+        return sizes->kind == CALX_SIZES_NORMAL ? sizes->a + 3 * sizes->b : INFINITY;
+    for (size_t i = 0; i < sizes->count; i++)
+        largest = fmax(largest, sizes->list[i]);
+    return largest;
+}
+
+int calx_pack_radii(const struct calx_sizes *sizes, uint32_t dimension, size_t count, double solid,
+                    uint64_t seed, double **radius, size_t *drawn, struct calx_error *error)
+{
+    struct calx_random random;
+    const char *mistake = calx_pack_sizes_mistake(sizes);
+    *radius = NULL;
+    *drawn = 0;
+    if (mistake)
+        return calx_error_set(error, CALX_ERROR_INPUT, "%s", mistake);
+    calx_random_seed(&random, seed);
+    return calx_pack_sizes_draw(sizes, dimension, count, solid, &random, radius, drawn, error);
 }

@@ -34,11 +34,13 @@ static void fill_row(struct calx_sim *s, size_t i)
             v[4 + k] = p->spin ? p->spin[i][k] : 0.0;
     }
     x[3] = p->radius[i];
-    v[3] = p->fixed && p->fixed[i] ? 0.0 : 1.0 / mass;
+    int carrier = p->carrier ? p->carrier[i] : -1;
+    bool held = carrier >= 0 && s->scene->walls[carrier].isothermal;
+    v[3] = carrier >= 0 || (p->fixed && p->fixed[i]) ? 0.0 : 1.0 / mass;
     if (s->r.stride == 8)
         v[7] = p->temperature ? p->temperature[i] : 293.15;
     if (s->r.inverse_capacity)
-        s->r.inverse_capacity[i] = 1.0 / (mass * m->specific_heat);
+        s->r.inverse_capacity[i] = held ? 0.0 : 1.0 / (mass * m->specific_heat);
     s->r.id[i] = (int64_t)i;
     s->r.material[i] = p->material[i];
 }
@@ -61,5 +63,5 @@ int calx_particles_create(struct calx_sim *s, struct calx_error *e)
         s->radius_min = fmin(s->radius_min, s->scene->particles.radius[i]);
         s->radius_max = fmax(s->radius_max, s->scene->particles.radius[i]);
     }
-    return 0;
+    return calx_carried_list(s, e);
 }

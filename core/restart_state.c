@@ -245,5 +245,5 @@ int calx_sim_restore(struct calx_sim *s, const struct calx_block *blocks, size_t
     s->walls_changed = true;
     if (calx_team_form(s))
         return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for the restart point");
-    return 0;
+    return calx_carried_list(s, e);
 }

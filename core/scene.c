@@ -27,6 +27,7 @@ static void free_particles(struct calx_particles *particles)
     free(particles->spin);
     free(particles->temperature);
     free(particles->fixed);
+    free(particles->carrier);
 }
 
 static void free_models(struct calx_scene *scene)

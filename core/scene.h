@@ -100,6 +100,7 @@ struct calx_wall {
     size_t primitive_count;
     struct calx_primitive *primitives;
     bool closed;           /* the segments bound an inside */
+    bool carries;          /* it has no surface: a group of particles, which it carries */
     struct calx_place place;
 };
 
@@ -115,6 +116,7 @@ struct calx_particles {
     double (*spin)[3];
     double *temperature;
     uint8_t *fixed; /* NULL: all free */
+    int32_t *carrier; /* wall that carries the body, as it carries its primitives, or -1; NULL: none */
 };
 
 /* ---- stages, output, expectations --------------------------------------------------------------------- */
@@ -139,7 +141,8 @@ struct calx_stage_spec {
 
 enum calx_field {
     CALX_FIELD_VELOCITY = 1, CALX_FIELD_SPIN = 2, CALX_FIELD_TEMPERATURE = 4, CALX_FIELD_MATERIAL = 8,
-    CALX_FIELD_CONTACTS = 16, CALX_FIELD_FORCE = 32, CALX_FIELD_MASS = 64, CALX_FIELD_HEAT = 128, CALX_FIELD_ALL = 255
+    CALX_FIELD_CONTACTS = 16, CALX_FIELD_FORCE = 32, CALX_FIELD_MASS = 64, CALX_FIELD_HEAT = 128,
+    CALX_FIELD_GROUP = 256, CALX_FIELD_ALL = 511
 };
 
 struct calx_output {

@@ -112,7 +112,7 @@ void calx_sim_free(struct calx_sim *s)
                    s->wall_angle, s->wall_shift, s->wall_temperature, s->near_row, s->near_primitive,
                    s->wall_contacts, s->wall_contacts_next, s->wall_history, s->wall_history_next,
                    s->wall_force, s->block_wall_force, s->edge_i, s->edge_j, s->boundary_i, s->edge_h,
-                   s->boundary_h, s->boundary_t, s->classes, s->saved, s->clocks};
+                   s->boundary_h, s->boundary_t, s->carried, s->classes, s->saved, s->clocks};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         free(all[k]);
     free(s);

@@ -88,6 +88,7 @@ struct calx_row_block {
     size_t collect_first, collect_count; /* contributions from earlier blocks' ghosts */
     size_t adder_first, adder_count;     /* the earlier blocks that contribute */
     size_t near_first, near_count;       /* particle-wall candidates */
+    size_t carried_first, carried_count; /* bodies that walls carry, in order of rows */
     size_t wall_count, wall_next;        /* wall contacts alive, in wall_contacts[near_first...]; of the evaluation under way */
 };
 
@@ -101,6 +102,10 @@ struct calx_pose {
     double speed[3];  /* m/s at the origin of space */
     double spin[3];   /* rad/s */
     double ago, past_speed[3], past_spin[3]; /* the same velocity_lag*dt = ago (s) before: what the laws see */
+};
+
+struct calx_carried { /* a body that a wall carries */
+    int32_t row, wall;
 };
 
 struct calx_posed { /* a primitive in its present place */
@@ -130,7 +135,7 @@ struct calx_rows_arrays {
     double *extra[2 * CALX_EXTRA_MAX]; /* of the integrator: translation, then rotation */
     int64_t *id;
     int32_t *material;
-    double *inverse_capacity; /* K/J; NULL without temperature */
+    double *inverse_capacity; /* K/J; 0 if the temperature is given; NULL without temperature */
     double *heat_store;       /* J, dissipation waiting for the next heat step; NULL if each step is one */
     int32_t (*image)[3];      /* NULL if not periodic */
     int32_t *source;          /* ghosts: the row they copy */
@@ -225,6 +230,8 @@ struct calx_sim {
     double (*wall_force)[3];    /* N on each wall, of the last force evaluation; by block then summed */
     double (*block_wall_force)[3];
     bool walls_changed;
+    size_t carried_count;
+    struct calx_carried *carried; /* made anew whenever rows change places */
 
     /* heat network, for global integrators of temperature */
     size_t edge_capacity, boundary_capacity;
@@ -361,6 +368,14 @@ void calx_walls_move(struct calx_sim *, double t, double dt);
 void calx_walls_velocity(const struct calx_sim *, int wall, const double at[3], double out[3]);
 struct calx_touch { double distance, normal[3], point[3]; bool end; };
 void calx_surface_nearest(const struct calx_primitive *, uint32_t dimension, const double x[3], struct calx_touch *);
+
+/* carried.c: bodies that walls carry. Listing: whenever rows have changed places. */
+int calx_carried_list(struct calx_sim *, struct calx_error *);
+void calx_carried_move(struct calx_sim *); /* into the present poses of their walls */
+/* Their part of the block's tally and of the forces on walls; a: forces, couples and heat flows of the block. */
+void calx_carried_take(struct calx_sim *, size_t block, const struct calx_pass *, const double *a);
+/* Back into the poses, with the velocity at the moment of the positions: those in n rows from `first` on. */
+void calx_carried_settle(struct calx_sim *, const struct calx_row_block *, size_t first, size_t n);
 
 /* heat.c */
 int calx_heat_step(struct calx_sim *, struct calx_error *); /* after the forces of step s->stage_step: what is not done block by block */

@@ -216,6 +216,7 @@ void calx_walls_move(struct calx_sim *s, double t, double dt)
     }
     s->wall_drift += drift;
     s->wall_step += drift;
+    calx_carried_move(s);
 }
 
 void calx_walls_velocity(const struct calx_sim *s, int wall, const double at[3], double out[3])

@@ -115,8 +115,10 @@ static bool place_row(struct table *t, const double v[COLUMN_COUNT])
              CALX_FARTHEST_PLACE);
         return false;
     }
-    give(&group->velocity, t->has, v, VX);
-    give(&group->spin, t->has, v, WX);
+    if (group->carrier < 0) {
+        give(&group->velocity, t->has, v, VX);
+        give(&group->spin, t->has, v, WX);
+    }
     if (t->has[TEMPERATURE]) {
         group->has_temperature = true;
         group->temperature = (struct calx_function){.value = v[TEMPERATURE]};

@@ -17,7 +17,7 @@ static void read_output(struct calx_reader *r, const xmlNode *node)
     struct calx_output *output = &r->scene->output;
     double every = calx_case_number(r, node, "csv-every");
     uint32_t fields = calx_case_words(r, node, "fields"),
-             all = 1u << 8; /* the last of the choices */
+             all = 1u << 9; /* the last of the choices */
     output->fields = fields & all ? CALX_FIELD_ALL : fields;
     output->network = calx_case_yes(r, node, "network");
     output->single = calx_case_word(r, node, "precision") == 1;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * The particles of a case: single ones and grids here, packings and tables in case_pack.c and
- * case_csv.c. Output: scene->particles, in the order of the file. Nothing is placed once there is a
- * mistake: a packing takes time.
+ * The particles of a case: single ones here, the others in case_grid.c, case_lines.c, case_pack.c
+ * and case_csv.c. Output: scene->particles, in the order of the file. No packing is made once there
+ * is a mistake: it takes time.
  */
 #include "io/case_bodies.h"
 
@@ -16,13 +16,14 @@
 
 /* Streams of different elements are apart by odd multiples of 2^64 over the golden ratio. */
 #define SEED_STEP 0x9e3779b97f4a7c15u
-#define DRAW_STEP 0xd1342543de82ef95u /* large and odd: draws do not meet seeds that a person would write */
+#define DRAW_STEP                                                                                  \
+    0xd1342543de82ef95u /* large and odd: draws do not meet seeds that a person would write */
 
 const xmlNode *calx_case_bearer(const xmlNode *node, const char *name)
 {
-    if (calx_case_given(node, name))
-        return node;
-    return calx_case_given(node->parent, name) ? node->parent : NULL;
+    while (!calx_case_given(node, name) && strcmp(calx_case_element(node)->id, "particles") != 0)
+        node = node->parent;
+    return calx_case_given(node, name) ? node : NULL;
 }
 
 double calx_case_radius(struct calx_reader *r, const xmlNode *node)
@@ -92,27 +93,40 @@ static int group_material(struct calx_reader *r, const xmlNode *node)
 
 static uint64_t group_seed(struct calx_reader *r, const xmlNode *node, uint64_t ordinal)
 {
-    bool own =
-        calx_element_attribute(calx_case_element(node), "seed") && calx_case_given(node, "seed");
-    const xmlNode *bearer = own                                     ? node
-                            : calx_case_given(node->parent, "seed") ? node->parent
-                                                                    : NULL;
+    bool own = calx_case_given(node, "seed") != NULL;
+    const xmlNode *bearer = calx_case_bearer(node, "seed");
     uint64_t seed = bearer ? (uint64_t)calx_case_whole(r, bearer, "seed") : r->scene->seed;
     seed += DRAW_STEP * r->draw;
     return own ? seed : seed + SEED_STEP * ordinal;
 }
 
+/* A body of a group moves with it. */
+static int read_carrier(struct calx_reader *r, const xmlNode *node)
+{
+    static const char *const own[] = {"velocity", "spin", "fixed"};
+    if (strcmp(calx_case_element(node->parent)->id, "group") != 0)
+        return -1;
+    for (size_t k = 0; k < sizeof own / sizeof *own; k++)
+        if (calx_case_given(node, own[k]))
+            calx_case_fail(r, node, own[k],
+                           "is not for bodies of a <group>: a <move> in a stage moves all of it");
+    const char *name = calx_case_given(node->parent, "name");
+    return name ? calx_scene_wall(r->scene, name) : -1;
+}
+
 static struct calx_group read_group(struct calx_reader *r, const xmlNode *node, uint64_t ordinal)
 {
-    struct calx_group group = {.node = node};
+    struct calx_group group = {.node = node, .carrier = read_carrier(r, node)};
     const xmlNode *temperature = calx_case_bearer(node, "temperature"),
                   *fixed = calx_case_bearer(node, "fixed");
     group.material = group_material(r, node);
     group.fixed = fixed && calx_case_yes(r, fixed, "fixed");
     group.has_temperature =
         temperature && calx_case_function(r, temperature, "temperature", &group.temperature);
-    group.velocity = read_start(r, node, "velocity");
-    group.spin = read_start(r, node, "spin");
+    if (group.carrier < 0) {
+        group.velocity = read_start(r, node, "velocity");
+        group.spin = read_start(r, node, "spin");
+    }
     group.seed = group_seed(r, node, ordinal);
     calx_random_seed(&group.random, group.seed ^ SEED_STEP); /* apart from the stream of places */
     return group;
@@ -139,7 +153,8 @@ static bool grow(struct calx_bed *bed)
                 grow_array(&p->velocity, capacity, sizeof *p->velocity) &&
                 grow_array(&p->spin, capacity, sizeof *p->spin) &&
                 grow_array(&p->temperature, capacity, sizeof *p->temperature) &&
-                grow_array(&p->fixed, capacity, sizeof *p->fixed);
+                grow_array(&p->fixed, capacity, sizeof *p->fixed) &&
+                grow_array(&p->carrier, capacity, sizeof *p->carrier);
     if (done)
         bed->capacity = capacity;
     else
@@ -169,7 +184,8 @@ int64_t calx_case_place_body(struct calx_bed *bed, struct calx_group *group,
     memcpy(p->position[i], position, sizeof p->position[i]);
     p->radius[i] = radius;
     p->material[i] = group->material;
-    p->fixed[i] = group->fixed;
+    p->fixed[i] = group->fixed || group->carrier >= 0;
+    p->carrier[i] = group->carrier;
     p->temperature[i] = group->has_temperature ? calx_evaluate(&group->temperature, 0.0, position)
                                                : ROOM_TEMPERATURE;
     draw_start(group, &group->velocity, (bool[]){true, true, !plane}, p->velocity[i]);
@@ -181,7 +197,8 @@ int64_t calx_case_place_body(struct calx_bed *bed, struct calx_group *group,
     bed->any_velocity |= group->velocity.given;
     bed->any_spin |= group->spin.given;
     bed->any_temperature |= group->has_temperature;
-    bed->any_fixed |= group->fixed;
+    bed->any_fixed |= p->fixed[i];
+    bed->any_carrier |= group->carrier >= 0;
     return (int64_t)p->count++;
 }
 
@@ -194,7 +211,8 @@ static void drop_unsaid(struct calx_bed *bed)
     } arrays[] = {{bed->any_velocity, (void **)&p->velocity},
                   {bed->any_spin, (void **)&p->spin},
                   {bed->any_temperature, (void **)&p->temperature},
-                  {bed->any_fixed, (void **)&p->fixed}};
+                  {bed->any_fixed, (void **)&p->fixed},
+                  {bed->any_carrier, (void **)&p->carrier}};
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
         if (!arrays[k].keep) {
             free(*arrays[k].array);
@@ -212,111 +230,30 @@ static void read_particle(struct calx_bed *bed, struct calx_group *group)
         calx_case_place_body(bed, group, at, radius);
 }
 
-struct grid {
-    double from[3], spacing[3], radius;
-    size_t count[3];
-};
-
-static bool read_spacing(struct calx_reader *r, const xmlNode *node, struct grid *g)
-{
-    size_t count = calx_case_list(r, node, "spacing", g->spacing, 3);
-    if (!calx_case_given(node, "spacing"))
-        g->spacing[0] = 2 * g->radius;
-    else if (count != 1 && count != r->scene->dimension) {
-        if (count)
-            calx_case_fail(r, node, "spacing", "%zu numbers, expected 1 or %u", count,
-                           r->scene->dimension);
-        return false;
-    }
-    for (size_t k = count > 1 ? count : 1; k < 3; k++)
-        g->spacing[k] = g->spacing[0];
-    return true;
-}
-
-static bool count_to(struct calx_reader *r, const xmlNode *node, struct grid *g)
-{
-    double to[3];
-    if (!calx_case_vector(r, node, "to", to))
-        return false;
-    for (size_t k = 0; k < r->scene->dimension; k++) {
-        double steps = floor((to[k] - g->from[k]) / g->spacing[k] +
-                             1e-9); /* a corner on the grid is reached despite rounding */
-        if (steps < 0 || steps >= CALX_MOST_BODIES) {
-            calx_case_fail(r, node, "to",
-                           "expected a corner above 'from' with at most %d bodies between",
-                           CALX_MOST_BODIES);
-            return false;
-        }
-        g->count[k] = (size_t)steps + 1;
-    }
-    return true;
-}
-
-static bool read_counts(struct calx_reader *r, const xmlNode *node, struct grid *g)
-{
-    const char *text = calx_case_given(node, "count"), *words[4];
-    char *copy;
-    size_t count = calx_case_split(text, "", &copy, words, 4);
-    bool right = count == r->scene->dimension;
-    for (size_t k = 0; right && k < count; k++) {
-        char *end;
-        g->count[k] = strtoul(words[k], &end, 10);
-        right =
-            *end == '\0' && *words[k] != '-' && g->count[k] >= 1 && g->count[k] <= CALX_MOST_BODIES;
-    }
-    if (!right)
-        calx_case_fail(r, node, "count", "'%.80s', expected %u whole numbers from 1 to %d", text,
-                       r->scene->dimension, CALX_MOST_BODIES);
-    free(copy);
-    return right;
-}
-
-static void place_grid(struct calx_bed *bed, struct calx_group *group, const struct grid *g)
-{
-    size_t total = g->count[0] * g->count[1];
-    if (total > CALX_MOST_BODIES || total * g->count[2] > CALX_MOST_BODIES) {
-        calx_case_fail(bed->reader, group->node, NULL, "more than %d bodies", CALX_MOST_BODIES);
-        return;
-    }
-    for (size_t k = 0; k < g->count[2]; k++)
-        for (size_t j = 0; j < g->count[1]; j++)
-            for (size_t i = 0; i < g->count[0]; i++) {
-                double at[3] = {g->from[0] + (double)i * g->spacing[0],
-                                g->from[1] + (double)j * g->spacing[1],
-                                g->from[2] + (double)k * g->spacing[2]};
-                if (calx_case_place_body(bed, group, at, g->radius) < 0)
-                    return;
-            }
-}
-
-static void read_grid(struct calx_bed *bed, struct calx_group *group)
-{
-    struct calx_reader *r = bed->reader;
-    struct grid g = {.radius = calx_case_radius(r, group->node), .count = {1, 1, 1}};
-    bool has_to = calx_case_given(group->node, "to") != NULL,
-         has_count = calx_case_given(group->node, "count") != NULL;
-    bool good = calx_case_vector(r, group->node, "from", g.from) &&
-                read_spacing(r, group->node, &g) && !isnan(g.radius);
-    if (has_to == has_count)
-        calx_case_fail(r, group->node, NULL, "has %s, expected either 'to' or 'count'",
-                       has_to ? "both 'to' and 'count'" : "neither end nor number");
-    else if (good && (has_to ? count_to(r, group->node, &g) : read_counts(r, group->node, &g)))
-        place_grid(bed, group, &g);
-}
-
 static void read_body_element(struct calx_bed *bed, const xmlNode *node, uint64_t ordinal)
 {
     static const struct {
         const char *id;
         void (*read)(struct calx_bed *, struct calx_group *);
-    } readers[] = {{"particle", read_particle},
-                   {"grid", read_grid},
-                   {"pack", calx_case_read_pack},
-                   {"csv", calx_case_read_csv}};
+    } readers[] = {{"particle", read_particle},   {"grid", calx_case_read_grid},
+                   {"pack", calx_case_read_pack}, {"csv", calx_case_read_csv},
+                   {"row", calx_case_read_row},   {"ring", calx_case_read_ring}};
     struct calx_group group = read_group(bed->reader, node, ordinal);
     for (size_t k = 0; k < sizeof readers / sizeof *readers; k++)
         if (strcmp(readers[k].id, calx_case_element(node)->id) == 0)
             readers[k].read(bed, &group);
+}
+
+static void read_children(struct calx_bed *bed, const xmlNode *parent, uint64_t *ordinal)
+{
+    for (const xmlNode *child = parent->children; child; child = child->next) {
+        if (child->type != XML_ELEMENT_NODE || !child->_private)
+            continue;
+        if (strcmp(calx_case_element(child)->id, "group") == 0)
+            read_children(bed, child, ordinal);
+        else
+            read_body_element(bed, child, (*ordinal)++);
+    }
 }
 
 void calx_case_read_particles(struct calx_reader *r)
@@ -325,9 +262,7 @@ void calx_case_read_particles(struct calx_reader *r)
     uint64_t ordinal = 0;
     for (const xmlNode *node = calx_case_first(r->root, "particles"); node;
          node = calx_case_next(node, "particles"))
-        for (const xmlNode *child = node->children; child; child = child->next)
-            if (child->type == XML_ELEMENT_NODE && child->_private)
-                read_body_element(&bed, child, ordinal++);
+        read_children(&bed, node, &ordinal);
     drop_unsaid(&bed);
     if (!bed.particles->count && !r->problems->count)
         calx_case_fail(r, calx_case_first(r->root, "particles"), NULL, "has no particle");

@@ -230,7 +230,8 @@ static void read_primitives(struct calx_reader *r, const xmlNode *node, struct c
             readers[k].read(r, child, wall);
 }
 
-static void read_wall(struct calx_reader *r, const xmlNode *node)
+/* A new wall with its name; NULL without memory. */
+static struct calx_wall *append_wall(struct calx_reader *r, const xmlNode *node)
 {
     const char *name = calx_case_given(node, "name");
     int other = name ? calx_scene_wall(r->scene, name) : -1;
@@ -240,9 +241,18 @@ static void read_wall(struct calx_reader *r, const xmlNode *node)
     struct calx_wall *wall =
         calx_case_append(r, &r->scene->walls, &r->scene->wall_count, sizeof *r->scene->walls);
     if (!wall)
-        return;
+        return NULL;
     snprintf(wall->name, sizeof wall->name, "%.47s", name ? name : "");
     wall->place = calx_case_place(r, node);
+    wall->material = -1;
+    return wall;
+}
+
+static void read_wall(struct calx_reader *r, const xmlNode *node)
+{
+    struct calx_wall *wall = append_wall(r, node);
+    if (!wall)
+        return;
     wall->material = calx_case_material(r, node, "material");
     if (wall->material >= 0 && r->uses)
         r->uses[wall->material] |= CALX_BY_WALLS;
@@ -256,9 +266,36 @@ static void read_wall(struct calx_reader *r, const xmlNode *node)
                        "<sphere> inside");
 }
 
+/* Its bodies, with their materials, are read with the other particles. */
+static void read_group(struct calx_reader *r, const xmlNode *node)
+{
+    struct calx_wall *wall = append_wall(r, node);
+    const xmlNode *bearer =
+        calx_case_given(node, "temperature") ? node : node->parent; /* <particles> */
+    if (!wall)
+        return;
+    wall->carries = true;
+    wall->isothermal = calx_case_yes(r, node, "isothermal");
+    if (wall->isothermal && !calx_case_function(r, bearer, "temperature", &wall->temperature))
+        calx_case_fail(r, node, "isothermal", "needs a temperature, here or on <particles>");
+    if (wall->isothermal && wall->temperature.eval)
+        calx_case_fail(r, node, "isothermal",
+                       "its temperature varies in space, expected one number; stages may give it as "
+                       "an expression of t");
+    if (!xmlFirstElementChild((xmlNode *)(uintptr_t)node))
+        calx_case_fail(
+            r, node, NULL,
+            "has no body, expected <ring>, <row>, <grid>, <particle>, <csv> or <pack> inside");
+}
+
 void calx_case_read_walls(struct calx_reader *r)
 {
     for (const xmlNode *node = calx_case_first(r->root, "walls"); node;
          node = calx_case_next(node, "walls"))
         read_wall(r, node);
+    for (const xmlNode *node = calx_case_first(r->root, "particles"); node;
+         node = calx_case_next(node, "particles"))
+        for (const xmlNode *group = calx_case_first(node, "group"); group;
+             group = calx_case_next(group, "group"))
+            read_group(r, group);
 }

@@ -60,6 +60,15 @@ static double count_frames(const struct calx_scene *scene)
     return frames;
 }
 
+/* Groups of particles are walls without any. */
+static bool has_surfaces(const struct calx_scene *scene)
+{
+    bool has = false;
+    for (size_t w = 0; w < scene->wall_count; w++)
+        has |= scene->walls[w].primitive_count > 0;
+    return has;
+}
+
 static void print_output(const struct calx_run *run)
 {
     char text[32];
@@ -70,7 +79,7 @@ static void print_output(const struct calx_run *run)
     else
         printf("as many frames as the condition allows\n");
     printf("  %s.pvd  particles\n", run->name);
-    if (run->scene->wall_count)
+    if (has_surfaces(run->scene))
         printf("  %s_walls.pvd  walls\n", run->name);
     if (run->scene->output.network)
         printf("  %s_contacts.pvd  contact network\n", run->name);

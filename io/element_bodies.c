@@ -38,6 +38,20 @@
         "radius", QUANTITY, "m", NULL, NULL, A_RADIUS, "radius"                                    \
     }
 
+#define SEED_ROW                                                                                   \
+    {                                                                                              \
+        "seed", WHOLE, NULL, NULL, NULL, NO_RANGE,                                                 \
+            "of random numbers; that of particles if not given"                                    \
+    }
+#define SIZES_ROW                                                                                  \
+    {                                                                                              \
+        "radius", CALX_FORM_SIZES, "m", NULL, NULL, A_RADIUS,                                      \
+            "`2 mm`, `uniform 1 mm 2 mm` (least, largest), `normal 2 mm 0.1 mm 1 mm 3 mm` (mean, " \
+            "standard deviation, then, if wanted, least and largest), `lognormal` likewise, "      \
+            "`masses 2 mm 0.3 4 mm 0.7` (diameters and their shares of the mass), `numbers` "      \
+            "likewise (shares of the number)"                                                      \
+    }
+
 static const struct calx_attribute particle_attributes[] = {
     {"at", VECTOR, "m", NULL, NULL, A_NEEDED_PLACE, "centre"}, RADIUS_ROW, COMMON_ROWS};
 static const struct calx_element particle = {"particle", "particle", "One body.",
@@ -61,11 +75,49 @@ static const struct calx_attribute grid_attributes[] = {
     {"count", CALX_FORM_WHOLES, NULL, NULL, NULL, 1, INFINITY, 0,
      "bodies along each axis: \"10 5\""},
     {"spacing", CALX_FORM_LIST, "m", NULL, NULL, POSITIVE,
-     "distance of centres, one number or one per axis; twice the radius if not given"},
-    RADIUS_ROW,
+     "distance of centres, one number or one per axis; twice the largest radius if not given"},
+    {"fill", QUANTITY, "1", NULL, NULL, 0, 1, CALX_ATTRIBUTE_OPEN_MIN,
+     "solid fraction of the grid's area (in 3D volume): as many of its first places are taken; all "
+     "if not given"},
+    SEED_ROW,
+    SIZES_ROW,
     COMMON_ROWS};
 static const struct calx_element grid = {"grid", "grid", "Bodies on a rectangular grid, x fastest.",
                                          ATTRIBUTES(grid_attributes)};
+
+#define ALONG_ROWS                                                                                 \
+    {"count", WHOLE, NULL, NULL, NULL, 1, INFINITY, 0, "number of bodies"},                        \
+    {                                                                                              \
+        "spacing", QUANTITY, "m", NULL, NULL, POSITIVE,                                            \
+            "centres of neighbours are no farther apart, instead of count; with neither, twice "   \
+            "the "                                                                                 \
+            "radius"                                                                               \
+    }
+
+static const struct calx_attribute row_attributes[] = {
+    {"from", VECTOR, "m", NULL, NULL, A_NEEDED_PLACE, "centre of the first body"},
+    {"to", VECTOR, "m", NULL, NULL, A_NEEDED_PLACE, "centre of the last body"},
+    ALONG_ROWS,
+    RADIUS_ROW,
+    COMMON_ROWS};
+static const struct calx_element row = {
+    "row", "row", "Bodies on a straight line, at equal distances.", ATTRIBUTES(row_attributes)};
+
+static const struct calx_attribute ring_attributes[] = {
+    {"center", VECTOR, "m", NULL, "0 0 0", A_PLACE, "middle of the circle"},
+    {"distance", QUANTITY, "m", NULL, NULL, 0, FARTHEST, REQUIRED | CALX_ATTRIBUTE_OPEN_MIN,
+     "of the bodies' centres from the middle"},
+    {"axis", VECTOR, "1", NULL, "0 0 1", ANY, "of the circle, in 3D"},
+    {"from", QUANTITY, "rad", NULL, NULL, ANY,
+     "angle of the first body of an arc, counted from x (in 3D from the direction across the axis "
+     "that is nearest to x, or to y if the axis is x); a whole circle if not given"},
+    {"to", QUANTITY, "rad", NULL, NULL, ANY, "angle of the last body of an arc"},
+    ALONG_ROWS,
+    RADIUS_ROW,
+    COMMON_ROWS};
+static const struct calx_element ring = {"ring", "ring",
+                                         "Bodies on a circle or an arc, at equal distances.",
+                                         ATTRIBUTES(ring_attributes)};
 
 static const struct calx_attribute pack_attributes[] = {
     {"box", CALX_FORM_LIST, "m", NULL, NULL, A_PLACE,
@@ -85,22 +137,37 @@ static const struct calx_attribute pack_attributes[] = {
      "solid fraction of the region (area in 2D), instead of count; with neither, as many as fit at "
      "random"},
     {"gap", QUANTITY, "m", NULL, "0", NOT_NEGATIVE, "room kept free around each body"},
-    {"seed", WHOLE, NULL, NULL, NULL, NO_RANGE,
-     "of random numbers; that of particles if not given"},
-    {"radius", CALX_FORM_SIZES, "m", NULL, NULL, A_RADIUS,
-     "`2 mm`, `uniform 1 mm 2 mm` (least, largest), `normal 2 mm 0.1 mm 1 mm 3 mm` (mean, standard "
-     "deviation, then, if wanted, least and largest), "
-     "`lognormal` likewise, `masses 2 mm 0.3 4 mm 0.7` (diameters and their shares of the mass)"},
+    SEED_ROW,
+    SIZES_ROW,
     COMMON_ROWS};
 static const struct calx_element pack = {"pack", "pack", "Bodies at random places without overlap.",
                                          ATTRIBUTES(pack_attributes)};
+
+static const struct calx_attribute group_attributes[] = {
+    {"name", NAME, NULL, NULL, NULL, NEEDED,
+     "by which stages, probes and expectations refer to it, as to walls"},
+    MATERIAL_ROW,
+    TEMPERATURE_ROW,
+    {"isothermal", SWITCH, NULL, NULL, "no", NO_RANGE,
+     "yes: its temperature is given, as that of walls, and stages may change it; no: each of its "
+     "bodies has one of its own, and a capacity for heat"},
+    RADIUS_ROW};
+static const struct calx_child group_children[] = {{&particle, '*'}, {&csv, '*'}, {&grid, '*'},
+                                                   {&pack, '*'},     {&row, '*'}, {&ring, '*'}};
+static const struct calx_element group = {
+    "group", "group",
+    "A rigid group: its bodies serve as a wall. They keep their places to each other, stand still "
+    "or move as <move> of a stage says, whatever meets them; velocity, spin and fixed are not for "
+    "them. The attributes hold for all elements inside that do not say otherwise.",
+    ATTRIBUTES(group_attributes), CHILDREN(group_children)};
 
 static const struct calx_attribute particles_attributes[] = {
     {"seed", WHOLE, NULL, NULL, NULL, NO_RANGE, "of random numbers"},
     {"radius", CALX_FORM_SIZES, "m", NULL, NULL, A_RADIUS, "radius, as in pack"},
     COMMON_ROWS};
-static const struct calx_child particles_children[] = {
-    {&particle, '*'}, {&csv, '*'}, {&grid, '*'}, {&pack, '*'}};
+static const struct calx_child particles_children[] = {{&particle, '*'}, {&csv, '*'}, {&grid, '*'},
+                                                       {&pack, '*'},     {&row, '*'}, {&ring, '*'},
+                                                       {&group, '*'}};
 const struct calx_element calx_element_particles = {
     "particles", "particles",
     "Bodies. The attributes hold for all elements inside that do not say otherwise. Ids count from "

@@ -136,7 +136,7 @@ static const struct calx_element numerics = {"numerics", "numerics",
  * -------------------------------------------------------------------------------------------- */
 
 static const struct calx_attribute move_attributes[] = {
-    {"walls", TEXT, NULL, NULL, NULL, NEEDED, "names of walls"},
+    {"walls", TEXT, NULL, NULL, NULL, NEEDED, "names of walls and of rigid groups"},
     {"rotate", VARIES, "rad/s", "t", "0", ANY,
      "angular velocity, as in \"10 rpm\"; counter-clockwise in 2D"},
     {"about", VECTOR, "m", NULL, "0 0 0", A_PLACE, "a point on the axis of rotation"},
@@ -159,7 +159,7 @@ static const struct calx_element move = {
     ATTRIBUTES(move_attributes)};
 
 static const struct calx_attribute stage_walls_attributes[] = {
-    {"name", NAME, NULL, NULL, NULL, NEEDED, "of walls that have a temperature"},
+    {"name", NAME, NULL, NULL, NULL, NEEDED, "of walls that have a temperature, or an isothermal group"},
     {"temperature", VARIES, "K", "txyz", NULL, 0, INFINITY, REQUIRED, "from this stage on"},
 };
 static const struct calx_element stage_walls = {
@@ -199,8 +199,8 @@ static const struct calx_element stage = {
 static const struct calx_attribute output_attributes[] = {
     {"every", QUANTITY, "s", NULL, NULL, POSITIVE,
      "time between frames; only start and end of each stage if not given"},
-    {"fields", WORDS, NULL, "velocity|spin|temperature|material|contacts|force|mass|heat|all",
-     "velocity spin temperature material contacts", NO_RANGE,
+    {"fields", WORDS, NULL, "velocity|spin|temperature|material|contacts|force|mass|heat|group|all",
+     "velocity spin temperature material contacts group", NO_RANGE,
      "of particles, besides id and radius; those that the scene does not have are left out"},
     {"network", SWITCH, NULL, NULL, "no", NO_RANGE, "write the contacts too"},
     {"precision", WORD, NULL, "double|single", "double", NO_RANGE, "of numbers in the files"},
@@ -216,7 +216,7 @@ static const struct calx_attribute probe_attributes[] = {
     {"of", NAME, NULL, NULL, NULL, NEEDED, "a quantity of the list below"},
     {"particle", WHOLE, NULL, NULL, NULL, NO_RANGE, "id of one particle"},
     {"material", NAME, NULL, NULL, NULL, NO_RANGE, "only particles of this material"},
-    {"wall", NAME, NULL, NULL, NULL, NO_RANGE, "name of the walls, for quantities of walls"},
+    {"wall", NAME, NULL, NULL, NULL, NO_RANGE, "name of the walls or of a rigid group, for quantities of walls"},
     {"component", WORD, NULL, "x|y|z|magnitude", NULL, NO_RANGE, "of a vector"},
     {"reduce", WORD, NULL, "mean|min|max|sum|std", NULL, NO_RANGE,
      "how many particles give one number"},

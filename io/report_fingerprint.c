@@ -51,6 +51,8 @@ static uint64_t hash_bodies(uint64_t hash, const struct calx_scene *scene)
     hash = calx_report_hash(hash, p->radius, p->count * sizeof *p->radius);
     hash = calx_report_hash(hash, p->velocity, p->count * sizeof *p->velocity);
     hash = calx_report_hash(hash, p->temperature, p->count * sizeof *p->temperature);
+    if (p->carrier)
+        hash = calx_report_hash(hash, p->carrier, p->count * sizeof *p->carrier);
     for (size_t w = 0; w < scene->wall_count; w++)
         for (size_t k = 0; k < scene->walls[w].primitive_count; k++) {
             const struct calx_primitive *q = &scene->walls[w].primitives[k];

@@ -57,6 +57,7 @@ static const struct field fields[] = {
     {CALX_VTK_PARTICLES, POINT_DATA, "mass", "kg", CALX_FIELD_MASS, REAL, 1, AT(mass)},
     {CALX_VTK_PARTICLES, POINT_DATA, "material", NULL, CALX_FIELD_MATERIAL, INT32, 1, AT(material)},
     {CALX_VTK_PARTICLES, POINT_DATA, "contacts", NULL, CALX_FIELD_CONTACTS, INT32, 1, AT(contacts)},
+    {CALX_VTK_PARTICLES, POINT_DATA, "group", NULL, CALX_FIELD_GROUP, INT32, 1, AT(group)},
     {CALX_VTK_PARTICLES, POINTS, "position", "m", 0, REAL, 3, AT(position)},
     {CALX_VTK_WALLS, POINT_DATA, "velocity", "m/s", 0, REAL, 3, AT(wall_velocity)},
     {CALX_VTK_WALLS, CELL_DATA, "wall", NULL, 0, INT32, 1, AT(wall_of_cell)},

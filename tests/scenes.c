@@ -92,8 +92,8 @@ void scene_model1(struct calx_scene *s, enum calx_kind kind, const char *plugin,
     scene_model(s, kind, plugin, (struct given[]){{name, value}, {NULL, 0.0}});
 }
 
-void scene_linear(struct calx_scene *s, double stiffness, double restitution, double friction,
-                  double dt)
+void scene_linear_by(struct calx_scene *s, const char *integrator, double stiffness,
+                     double restitution, double friction, double dt)
 {
     bool damped = !isnan(restitution);
     scene_model(s, CALX_CONTACT, "linear",
@@ -104,8 +104,14 @@ void scene_linear(struct calx_scene *s, double stiffness, double restitution, do
         scene_model(s, CALX_CONTACT, "coulomb",
                     (struct given[]){
                         {"stiffness", 2.0 / 7.0 * stiffness}, {"friction", friction}, {NULL, 0.0}});
-    scene_model(s, CALX_MOTION, "velocity-verlet", NULL);
+    scene_model(s, CALX_MOTION, integrator, NULL);
     s->models[0].dt = dt;
+}
+
+void scene_linear(struct calx_scene *s, double stiffness, double restitution, double friction,
+                  double dt)
+{
+    scene_linear_by(s, "velocity-verlet", stiffness, restitution, friction, dt);
 }
 
 void scene_put(struct calx_scene *s, size_t i, double x, double y, double z, double radius)
@@ -173,6 +179,23 @@ int scene_wall(struct calx_scene *s, const char *name, int material)
                                              sizeof *s->stages[k].wall_temperature);
     }
     return (int)s->wall_count++;
+}
+
+int scene_group(struct calx_scene *s, const char *name)
+{
+    int group = scene_wall(s, name, -1);
+    s->walls[group].carries = true;
+    return group;
+}
+
+void scene_carry(struct calx_scene *s, size_t i, int group)
+{
+    if (!s->particles.carrier) {
+        s->particles.carrier = zeroed(s->particles.count, sizeof *s->particles.carrier);
+        for (size_t k = 0; k < s->particles.count; k++)
+            s->particles.carrier[k] = -1;
+    }
+    s->particles.carrier[i] = group;
 }
 
 struct calx_primitive *scene_primitive(struct calx_scene *s, int wall, struct calx_primitive p)

@@ -43,6 +43,9 @@ void scene_model1(struct calx_scene *, enum calx_kind, const char *plugin, const
  * velocity Verlet with dt. */
 void scene_linear(struct calx_scene *, double stiffness, double restitution, double friction,
                   double dt);
+/* The same with another integrator of motion. */
+void scene_linear_by(struct calx_scene *, const char *integrator, double stiffness,
+                     double restitution, double friction, double dt);
 
 void scene_put(struct calx_scene *, size_t i, double x, double y, double z, double radius);
 void scene_move(struct calx_scene *, size_t i, double vx, double vy, double vz);
@@ -60,6 +63,10 @@ void scene_segment(struct calx_scene *, int wall, double ax, double ay, double b
                    int32_t surface);
 void scene_plane(struct calx_scene *, int wall, const double a[3], const double n[3]);
 struct calx_primitive *scene_primitive(struct calx_scene *, int wall, struct calx_primitive);
+/* Adds a rigid group, insulated and at rest; returns the index of the wall that it is. */
+int scene_group(struct calx_scene *, const char *name);
+/* Makes grain i a body of it. */
+void scene_carry(struct calx_scene *, size_t i, int group);
 /* Gives a wall a temperature. */
 void scene_wall_temperature(struct calx_scene *, int wall, double temperature);
 /* The motion of a wall in stage s, to be filled in. */

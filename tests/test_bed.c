@@ -213,6 +213,43 @@ START_TEST(slopes_are_those_of_the_heap)
 }
 END_TEST
 
+/* Above, below and beside the heap, and larger: nothing changes. */
+START_TEST(bodies_of_groups_are_no_grains)
+{
+    enum { ALL = HEAP + 3 };
+    double x[ALL][3], r[ALL], temperature[ALL];
+    int32_t group[ALL];
+    uint8_t classes[ALL], alone[HEAP];
+    const double up[3] = {0, 1, 0};
+    struct calx_frame heap = make_heap(40, 30, x, r), all = heap;
+    for (int i = 0; i < ALL; i++) {
+        group[i] = i < HEAP ? -1 : 0;
+        temperature[i] = i < HEAP ? 300 + i : 1000;
+        if (i >= HEAP) {
+            x[i][0] = i - HEAP;
+            x[i][1] = i == HEAP ? 50 : -50;
+            x[i][2] = 0;
+            r[i] = 3;
+        }
+    }
+    heap.temperature = temperature;
+    all = heap;
+    all.n = ALL;
+    all.group = group;
+    ck_assert_double_eq(calx_heap_slope(&all, -1), calx_heap_slope(&heap, -1));
+    ck_assert_double_eq(calx_heap_height(&all, up), calx_heap_height(&heap, up));
+    calx_lacey_classes(&heap, "start-temperature", up, alone);
+    calx_lacey_classes(&all, "start-temperature", up, classes);
+    ck_assert_mem_eq(classes, alone, HEAP);
+    ck_assert_double_eq(calx_lacey_index(&all, classes, 0), calx_lacey_index(&heap, alone, 0));
+    for (int i = 0; i < ALL; i++)
+        group[i] = 0;
+    ck_assert(isnan(calx_heap_slope(&all, -1)));
+    ck_assert_double_eq(calx_heap_height(&all, up), 0);
+    ck_assert(isnan(calx_lacey_index(&all, classes, 0)));
+}
+END_TEST
+
 START_TEST(no_grains_have_no_shape)
 {
     struct calx_frame frame = {.dimension = 2};
@@ -235,6 +272,7 @@ int main(void)
     tcase_add_loop_test(test, classes_follow_their_name, 0, COUNT(kinds));
     tcase_add_test(test, equal_radii_make_no_classes);
     tcase_add_loop_test(test, slopes_are_those_of_the_heap, 0, COUNT(slopes));
+    tcase_add_test(test, bodies_of_groups_are_no_grains);
     tcase_add_test(test, no_grains_have_no_shape);
     suite_add_tcase(suite, test);
     SRunner *runner = srunner_create(suite);

@@ -240,7 +240,7 @@ START_TEST(test_defaults)
     ck_assert_int_eq(scene->output.compression, 6);
     ck_assert_uint_eq(scene->output.fields, CALX_FIELD_VELOCITY | CALX_FIELD_SPIN |
                                                 CALX_FIELD_TEMPERATURE | CALX_FIELD_MATERIAL |
-                                                CALX_FIELD_CONTACTS);
+                                                CALX_FIELD_CONTACTS | CALX_FIELD_GROUP);
     for (int k = 0; k < 3; k++)
         ck_assert(!scene->periodic[k] && !scene->bounded[k] &&
                   scene->stages[0].gravity[k].value == 0);

@@ -3,7 +3,8 @@
  * Equal bits: with 1, 2, 3 and 4 threads; for a straight run and one that is saved, freed and
  * restored at random steps; with and without looking at each step; from the copies of the kernels
  * for each instruction set. The scene has what can break it: several blocks, two materials,
- * friction, heat, a moving and a hot wall, a periodic axis, rebuilds.
+ * friction, heat, a moving and a hot wall, a moving and hot group of grains, a periodic axis,
+ * rebuilds.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -57,6 +58,20 @@ static void add_box(struct calx_scene *s)
     m->velocity[0].value = 0.2;
 }
 
+/* A layer of grains across y is a hot rigid group that slides along the periodic axis and sways. */
+static void add_group(struct calx_scene *s)
+{
+    int group = scene_group(s, "layer");
+    for (size_t i = 0; i < GRAINS; i++)
+        if (i / EDGE % EDGE == EDGE / 2)
+            scene_carry(s, i, group);
+    scene_wall_temperature(s, group, 450.0);
+    struct calx_motion *m = scene_motion(s, 0, group);
+    m->velocity[0].value = 1.2;
+    m->amplitude[1] = 5e-5;
+    m->frequency = 700.0;
+}
+
 static struct calx_scene *crowd(const char *heat)
 {
     struct calx_scene *s = scene_create(3, CALX_SPHERES, GRAINS);
@@ -72,6 +87,7 @@ static struct calx_scene *crowd(const char *heat)
     scene_gravity(s, 0.0, -9.81, 0.0);
     add_grains(s);
     add_box(s);
+    add_group(s);
     return s;
 }
 

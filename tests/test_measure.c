@@ -23,9 +23,8 @@ static int32_t materials[GRAINS] = {0, 1, 0, 1};
 static int32_t coordination[GRAINS] = {1, 2, 1, 0};
 static int64_t pairs[2][2] = {{0, 1}, {1, -1}};
 static double overlaps[2] = {0.05, 0.08};
-static int32_t cell_walls[2] = {1, 0};
-static double wall_forces[2][3] = {{0, 0, 7}, {3, 4, 0}};
-static double wall_temperatures[2] = {400, 500};
+static double wall_forces[2][3] = {{3, 4, 0}, {0, 0, 7}};
+static double wall_temperatures[2] = {500, 400};
 
 static struct calx_scene scene;
 static struct calx_stage_spec stage;
@@ -49,10 +48,9 @@ static void make_sim(void)
         .contact_count = 2,
         .pair = pairs,
         .overlap = overlaps,
-        .wall_cells = 2,
-        .wall_of_cell = cell_walls,
-        .wall_force = wall_forces,
-        .wall_temperature = wall_temperatures,
+        .walls = 2,
+        .force_on_wall = wall_forces,
+        .temperature_of_wall = wall_temperatures,
     };
     sim.ledger = (struct calx_ledger){.kinetic = 1,
                                       .rotational = 2,
