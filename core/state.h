@@ -68,6 +68,8 @@ struct calx_plan {
     int64_t heat_every;       /* steps of motion per heat step, at dt */
     double heat_dt;
     bool adapts;              /* dt is the longest that is taken: the step follows the contacts */
+    bool resolves;            /* onset and end of contacts inside a step are resolved (onset.c): */
+    size_t normal, owed;      /* the last normal law, and the column of history with the impulse owed to a contact */
     bool cohesion;            /* the Coulomb limit differs from fn */
     bool global_heat;
 };
@@ -244,7 +246,7 @@ struct calx_sim {
     struct calx_timing_from { double seconds; uint64_t tick; int64_t step, rebuilds; } timing_from;
 
     /* scratch, one per thread */
-    struct calx_columns **columns;
+    struct calx_columns **columns; /* two each: the batch, and what onset.c tries */
     double **forces;             /* rows of accelerations of the block under way, when they need not be kept */
 
     /* probes */
