@@ -142,8 +142,8 @@ static void run_laws(const struct calx_plan *p, size_t type, double dt, struct c
         if (p->cohesion && law->law->provides & CALX_COHESION)
             memcpy(c->coulomb, c->fn, sizeof c->coulomb);
         law->law->force(pair_params(law->plugin, law->params, type), present(p, l, type, dt, c));
-        if (c->centre > 0.0 && l == p->normal)
-            CALX_ISA(calx_onset_centre)(p, l, type, c);
+        if (p->resolves && l == p->normal)
+            CALX_ISA(calx_onset_normal)(p, l, type, c);
         calx_timing_law(clock, l);
     }
 }

@@ -64,7 +64,8 @@ void CALX_ISA(calx_onset_weigh)(calx_v8 s, struct calx_onset_weights *w)
 struct changes {
     calx_column share;        /* of a step: from onset to now, or from the evaluation before to the end */
     calx_column speed, depth; /* m/s, m: of the approach, or of the parting in reverse, at the node under way */
-    calx_column fn, ft[3], torque[3], work, owed; /* sums over nodes */
+    calx_column vt[3], spin[3];
+    calx_column fn, ft[3], torque[3], work, owed; /* sums over nodes; work: of normal laws */
     bool begin;
     size_t n;
     uint8_t lane[CALX_BATCH]; /* in the batch */
@@ -115,6 +116,8 @@ static void take_contacts(const struct calx_plan *p, const struct calx_columns *
         take_columns(node->spin, c->spin, 3, x);
     if (p->needs & CALX_NEEDS_TEMPERATURE)
         take_columns(node->temperature, c->temperature, 2, x);
+    memcpy(x->vt, node->vt, sizeof x->vt);
+    memcpy(x->spin, node->spin, sizeof x->spin);
     for (size_t k = x->n; k < calx_padded(x->n); k++) {
         node->mass[k] = x->share[k] = 1.0;
         x->speed[k] = 0.0;
@@ -152,8 +155,8 @@ static void go_on(double time, const struct calx_columns *node, struct changes *
     }
 }
 
-/* Sums what the laws have answered at node q. The work that they book is that of half the force before and half the force there, for the time
- * they are told: 2/time times it is the power. At an end the force before is not none; apply() takes its part off. */
+/* Sums what the laws have answered at node q. The work that normal laws book is that of half the force before and half the force there, for
+ * the time they are told: 2/time times it is the power. At an end the force before is not none; apply() takes its part off. */
 static void add_node(const struct calx_plan *p, const struct calx_columns *node, int q, double h, double time,
                      const struct calx_onset_weights *weights, struct changes *x)
 {
@@ -161,7 +164,7 @@ static void add_node(const struct calx_plan *p, const struct calx_columns *node,
         const struct calx_onset_weights *w = &weights[lane / 8];
         calx_v8 owed = x->begin ? w->later[q] : (calx_v8){0}, force = x->begin ? w->force[q] : (calx_v8){0};
         calx_v8 sum = w->tail[q] + force + owed, fn = calx_v8_load(node->fn + lane);
-        calx_v8 work = 2.0 * h / time * (w->tail[q] + 0.5 * force) * calx_v8_load(node->work + lane);
+        calx_v8 work = 2.0 * h / time * (w->tail[q] + 0.5 * force) * calx_v8_load(node->damping + lane);
         calx_v8_store(x->fn + lane, calx_v8_load(x->fn + lane) + sum * fn);
         calx_v8_store(x->owed + lane, calx_v8_load(x->owed + lane) - owed * fn);
         calx_v8_store(x->work + lane, calx_v8_load(x->work + lane) + work);
@@ -219,13 +222,35 @@ static void shorten_paths(const struct calx_plan *p, const struct changes *x, st
         }
 }
 
-static void apply(const struct calx_plan *p, const struct changes *x, struct calx_columns *c)
+/* Power of tangential forces and couples of one contact, W. */
+static double power(const struct calx_plan *p, const struct changes *x, size_t k, const calx_column *ft,
+                    const calx_column *torque, size_t lane)
+{
+    double sum = 0.0;
+    for (int q = 0; q < 3 && p->needs & CALX_NEEDS_TANGENT; q++)
+        sum += ft[q][lane] * x->vt[q][k];
+    for (int q = 0; q < 3 && p->needs & CALX_NEEDS_SPIN; q++)
+        sum += torque[q][lane] * x->spin[q][k];
+    return sum;
+}
+
+/* What is dissipated. Normal laws: as the nodes say. The others have booked, of an onset, the path since then with half their force, of an end
+ * half a step of the force before and what was stored; what acts is the whole kick, half a step of which they book in the next step. */
+static double lost(const struct calx_plan *p, const struct changes *x, size_t k, double h, struct calx_columns *c)
+{
+    size_t lane = x->lane[k];
+    double share = x->share[k], others = c->work[lane] - c->damping[lane], acts = h * power(p, x, k, x->ft, x->torque, k);
+    if (!x->begin)
+        return x->work[k] + 2.0 * (1.0 - share) * c->damping[lane] + others - acts;
+    return x->work[k] + others - acts + 0.5 * (1.0 + share) * h * power(p, x, k, c->ft, c->torque, lane);
+}
+
+static void apply(const struct calx_plan *p, const struct changes *x, double h, struct calx_columns *c)
 {
     for (size_t k = 0; k < x->n; k++) {
         size_t lane = x->lane[k];
-        double keep = x->begin ? 0.0 : 1.0; /* of an end: what was owed, and the work of the last half step */
-        c->fn[lane] = keep * c->fn[lane] + x->fn[k];
-        c->work[lane] = keep * 2.0 * (1.0 - x->share[k]) * c->work[lane] + x->work[k];
+        c->work[lane] = lost(p, x, k, h, c);
+        c->fn[lane] = (x->begin ? 0.0 : c->fn[lane]) + x->fn[k]; /* of an end: what was owed */
         for (int q = 0; q < 3 && p->needs & CALX_NEEDS_TANGENT; q++)
             c->ft[q][lane] = x->ft[q][k];
         for (int q = 0; q < 3 && p->needs & CALX_NEEDS_SPIN; q++)
@@ -272,11 +297,12 @@ static void damp_at_moment(const struct calx_plan *p, size_t l, size_t type, str
     }
 }
 
-void CALX_ISA(calx_onset_centre)(const struct calx_plan *p, size_t l, size_t type, struct calx_columns *c)
+void CALX_ISA(calx_onset_normal)(const struct calx_plan *p, size_t l, size_t type, struct calx_columns *c)
 {
-    if (p->laws[l].own[type].needs & CALX_USES_VELOCITY)
+    if (c->centre > 0.0 && p->laws[l].own[type].needs & CALX_USES_VELOCITY)
         damp_at_moment(p, l, type, c);
-    for (size_t group = 0; group < c->n; group += 8)
+    memcpy(c->damping, c->work, calx_padded(c->n) * sizeof(double));
+    for (size_t group = 0; c->centre > 0.0 && group < c->n; group += 8)
         for (unsigned bits = owing(p, c, group); bits; bits &= bits - 1) {
             size_t lane = group + (size_t)__builtin_ctz(bits);
             c->fn[lane] += c->history[p->owed][lane];
@@ -300,6 +326,6 @@ void CALX_ISA(calx_onset_laws)(const struct calx_plan *p, size_t type, double dt
     c->centre = dt;
     CALX_ISA(calx_evaluate_stack)(p, type, dt, conduct, c, clock);
     c->centre = 0.0;
-    apply(p, &begun, c);
-    apply(p, &ended, c);
+    apply(p, &begun, dt, c);
+    apply(p, &ended, dt, c);
 }

@@ -21,7 +21,8 @@ extern const double CALX_ISA(calx_onset_node)[CALX_ONSET_NODES];
 void CALX_ISA(calx_onset_laws)(const struct calx_plan *, size_t type, double dt, bool conduct, struct calx_columns *c,
                                struct calx_clock *clock);
 
-/* After normal law l has answered: damping at the velocity of the moment of the positions, and the impulse owed. */
-void CALX_ISA(calx_onset_centre)(const struct calx_plan *, size_t l, size_t type, struct calx_columns *);
+/* After the last normal law, l, has answered: damping at the velocity of the moment of the positions, and the impulse owed, unless this is a
+ * node. The work so far stays in c->damping. */
+void CALX_ISA(calx_onset_normal)(const struct calx_plan *, size_t l, size_t type, struct calx_columns *);
 
 #endif
