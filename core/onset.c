@@ -290,8 +290,9 @@ static void damp_at_moment(const struct calx_plan *p, size_t l, size_t type, str
     for (size_t lane = 0; lane < c->n; lane += 8) {
         calx_v8 fn = calx_v8_load(c->fn + lane), mass = calx_v8_load(c->mass + lane), none = {0}, one = none + 1.0;
         calx_v8 share = calx_v8_positive(mass, 0.5 * h / calx_v8_positive(mass, mass, one), none); /* to velocity, of the kick */
-        calx_v8 centred = fn / (one + calx_v8_load(c->damping + lane) * share);
-        calx_v8 speed = calx_v8_load(c->vn + lane) + share * centred;
+        calx_v8 damping = calx_v8_load(c->damping + lane), turned = calx_v8_load(c->turned + lane);
+        calx_v8 centred = (fn - calx_v8_positive(fn * fn, damping * turned, none)) / (one + damping * share);
+        calx_v8 speed = calx_v8_load(c->vn + lane) + turned + share * centred;
         calx_v8_store(c->work + lane, calx_v8_load(c->work + lane) - h * (centred - fn) * speed);
         calx_v8_store(c->fn + lane, centred);
     }
