@@ -37,7 +37,6 @@ struct calx_columns {
     struct calx_contacts views[CALX_LAWS_MAX + 1];
     double *law_history[CALX_LAWS_MAX][CALX_HISTORY_MAX];
     uint8_t was[CALX_BATCH / 8], is[CALX_BATCH / 8]; /* touching, before and now: a bit per lane */
-    calx_column turned;  /* m/s: by which vn grows to the moment of the positions because the normal turns */
     calx_column damping; /* of normal laws, N s/m, then their work, J: see onset.c; */
     double centre;       /* s: the step, 0 if there is none */
     size_t n;                                        /* last, so that every column is aligned */

@@ -45,7 +45,6 @@ void CALX_ISA(calx_evaluate_motion)(const struct calx_plan *p, double lag, struc
         load3(c->velocity, lane, u);
         calx_v8 vn = calx_lanes_dot(n, u);
         calx_v8_store(c->vn + lane, vn);
-        calx_v8_store(c->turned + lane, (calx_v8){0});
         if (!(p->needs & CALX_NEEDS_TANGENT))
             continue;
         if (p->needs & CALX_NEEDS_ROTATION) {

@@ -164,8 +164,6 @@ CALX_INLINE void gather_speeds(const struct calx_block_view *b, struct calx_colu
             vn = calx_lanes_approach(un, u2, tilt);
         }
         calx_v8_store(c->vn + lane, vn);
-        if (b->s->plan->resolves)
-            calx_v8_store(c->turned + lane, un - vn);
         calx_v8_store(c->mass + lane, calx_v8_positive(v[3], 1.0 / calx_v8_positive(v[3], v[3], one), zero));
         if (wide && b->conduct)
             calx_v8_store(c->warmth + lane, v[7]);

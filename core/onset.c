@@ -5,8 +5,7 @@
  * a damper an error of first order, p = 1/4 and 3/2 are Tsuji's and Hertz' forces. So in the step of the onset, and in that of the end, which is
  * an onset in reverse, the laws are tried at four moments after it, powers 0, 1/4, 1, 3/2 are laid through what they answer, and the kick is
  * what makes the sum right for them. The moment of the impulse before t_1 is made good too: a kick more then and less one step
- * later, which waits in the last column of history. Damping takes the velocity at t_k, which holds half of the kick:
- * F = f(v(k-1/2))/(1 + c h/(2 m*)).
+ * later, which waits in history. Damping takes the velocity at t_k, where laws see that of half a step before.
  */
 #include "core/onset.h"
 
@@ -255,8 +254,10 @@ static void apply(const struct calx_plan *p, const struct changes *x, double h, 
             c->ft[q][lane] = x->ft[q][k];
         for (int q = 0; q < 3 && p->needs & CALX_NEEDS_SPIN; q++)
             c->torque[q][lane] = x->torque[q][k];
-        if (x->begin)
-            c->history[p->owed][lane] = x->owed[k];
+        if (!x->begin)
+            continue;
+        c->history[p->owed][lane] = x->owed[k];
+        c->history[p->past][lane] = 0.5 * (c->vn[lane] + h * (x->fn[k] + x->owed[k]) / c->mass[lane]);
     }
 }
 
@@ -279,22 +280,26 @@ static void expect_owed(const struct calx_plan *p, double h, struct calx_columns
         }
 }
 
-/* Damping as the law reports it, d fn/d vn. Energy: what the force now lacks, times the velocity at its moment. */
+/* Damping as the law reports it, d fn/d vn. The velocity at the moment t_k of the positions: v = vn + h a/2, where the acceleration a is that at the
+ * last evaluation, (vn(t_k) - vn(t_k-1))/h, whatever made it, and the change of this contact's force since then: of that, vn/2 + h fn/(2 m*) is
+ * kept, 0 where nothing is known. Energy: what the force now lacks, times v. */
 static void damp_at_moment(const struct calx_plan *p, size_t l, size_t type, struct calx_columns *c)
 {
     const struct calx_law *law = &p->laws[l];
     struct calx_response response = {.size = sizeof response, .damping = {c->damping, NULL}};
-    double h = c->centre;
+    double h = c->centre, *kept = c->history[p->past];
     memset(c->damping, 0, calx_padded(c->n) * sizeof(double));
     law->law->response(law->params + law->plugin->params_size * type, &c->views[l], &response);
     for (size_t lane = 0; lane < c->n; lane += 8) {
-        calx_v8 fn = calx_v8_load(c->fn + lane), mass = calx_v8_load(c->mass + lane), none = {0}, one = none + 1.0;
-        calx_v8 share = calx_v8_positive(mass, 0.5 * h / calx_v8_positive(mass, mass, one), none); /* to velocity, of the kick */
-        calx_v8 damping = calx_v8_load(c->damping + lane), turned = calx_v8_load(c->turned + lane);
-        calx_v8 centred = (fn - calx_v8_positive(fn * fn, damping * turned, none)) / (one + damping * share);
-        calx_v8 speed = calx_v8_load(c->vn + lane) + turned + share * centred;
-        calx_v8_store(c->work + lane, calx_v8_load(c->work + lane) - h * (centred - fn) * speed);
-        calx_v8_store(c->fn + lane, centred);
+        calx_v8 fn = calx_v8_load(c->fn + lane), mass = calx_v8_load(c->mass + lane), vn = calx_v8_load(c->vn + lane);
+        calx_v8 none = {0}, one = none + 1.0, half = 0.5 * vn, past = calx_v8_load(kept + lane);
+        calx_v8 damping = calx_v8_load(c->damping + lane), ahead = half - calx_v8_positive(past * past, past, half);
+        calx_v8 share = calx_v8_positive(mass, 0.5 * h / calx_v8_positive(mass, mass, one), none); /* m/s of the kick, per N */
+        calx_v8 force = (fn - calx_v8_positive(fn * fn, damping * ahead, none)) / (one + damping * share);
+        calx_v8 speed = vn + ahead + share * force;
+        calx_v8_store(c->work + lane, calx_v8_load(c->work + lane) - h * (force - fn) * speed);
+        calx_v8_store(c->fn + lane, force);
+        calx_v8_store(kept + lane, calx_v8_positive(calx_v8_load(c->overlap + lane), half + share * force, none));
     }
 }
 

@@ -69,7 +69,7 @@ struct calx_plan {
     double heat_dt;
     bool adapts;              /* dt is the longest that is taken: the step follows the contacts */
     bool resolves;            /* onset and end of contacts inside a step are resolved (onset.c): */
-    size_t normal, owed;      /* the last normal law, and the column of history with the impulse owed to a contact */
+    size_t normal, owed, past; /* the last normal law; columns of history: the force owed to a contact, and what onset.c keeps of its velocity */
     bool cohesion;            /* the Coulomb limit differs from fn */
     bool global_heat;
 };

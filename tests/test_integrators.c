@@ -75,6 +75,7 @@ static const struct {
     {"symplectic-euler", NONE, false, NAN, NAN, 1.0},
     {"adams-bashforth-2", NONE, false, NAN, NAN, 2.0},
     {"newmark", NONE, false, 4.13e-3, -6.4e-4, 2.0},
+    {"contact-exact", NONE, false, 4.13e-3, -6.4e-4, 2.0},
     {"newmark", TRAPEZOID, false, NAN, NAN, 2.0},
     {"newmark", DISSIPATIVE, false, NAN, NAN, 1.0},
     {"rk4", NONE, false, NAN, NAN, 4.0},
@@ -162,6 +163,7 @@ static const struct {
     {"rk4", NONE, 4.0},
     {"yoshida", NONE, 4.0},
     {"newmark", NONE, 2.0},
+    {"contact-exact", NONE, 2.0},
     {"newmark", TRAPEZOID, 2.0},
 };
 
@@ -248,7 +250,10 @@ static const struct {
 /* Table of the design: errors at 50 steps per contact and orders. The orders fit within 0.2, the
  * errors within 15 % (two digits, and n counted on the elastic or the damped duration). gear with
  * its other alpha_0 does the same: no better than velocity-verlet. newmark is the table's velocity
- * Verlet with centred damping. yoshida is not in the table. */
+ * Verlet with centred damping. yoshida is not in the table. contact-exact, whose trial in one
+ * dimension is (6e-7, 2.9e-5, 4.0e-5, 7.4e-4; 4.0, 2.1, 2.5, 1.3), has what it was measured to
+ * reach: the error of frequency that velocity Verlet has between onset and end, (pi/n)^2/24, makes
+ * e ln(e) (pi/n)^2/24 = 5.7e-5 of error alone, of which a part cancels. */
 static const struct {
     const char *integrator;
     const struct given *given;
@@ -264,7 +269,7 @@ static const struct {
     {"rk4", NONE, false, {8.3e-5, 3.2e-3, 1.0e-5, 7.9e-4}, {2.0, 1.0, 2.5, 1.25}},
     {"yoshida", NONE, false, {NAN, NAN, NAN, NAN}, {2.0, 1.0, 2.5, 1.05}},
     {"newmark", NONE, false, {2.0e-4, 5.5e-3, 2.8e-5, 1.6e-3}, {2.0, 1.0, 2.5, 1.25}},
-    {"contact-exact", NONE, false, {2.0e-4, 5.5e-3, 2.8e-5, 1.6e-3}, {2.0, 1.0, 2.5, 1.25}},
+    {"contact-exact", NONE, false, {6.7e-7, 1.7e-5, 4.35e-8, 2.2e-5}, {4.0, 2.0, 5.0, 1.75}},
 };
 
 START_TEST(collision_orders)
@@ -277,7 +282,6 @@ START_TEST(collision_orders)
                                           LADDER_STEPS[q]);
         double order = -slope(LADDER, LADDER_STEPS, errors);
         const char *law = impacts[k].hertz ? "hertz" : "linear";
-        printf("%s %s %g: %.3f (%.3g %.3g %.3g %.3g)\n", colliders[_i].integrator, law, impacts[k].e, order, errors[0],errors[1],errors[2],errors[3]); if (_i == 8) continue;
         ck_assert_msg(fabs(order - colliders[_i].order[k]) < 0.2,
                       "%s, %s e = %g: order %.3f instead of %g (%.3g %.3g %.3g %.3g)",
                       colliders[_i].integrator, law, impacts[k].e, order, colliders[_i].order[k],
@@ -286,6 +290,21 @@ START_TEST(collision_orders)
             isnan(colliders[_i].error[k]) || fabs(errors[1] / colliders[_i].error[k] - 1.0) < 0.15,
             "%s, %s e = %g: error %.3g instead of %g at 50 steps", colliders[_i].integrator, law,
             impacts[k].e, errors[1], colliders[_i].error[k]);
+    }
+}
+END_TEST
+
+/* What issue and design ask of it: a hundred times below velocity Verlet at 50 steps per contact,
+ * in each of the four; they ask for less with Hertz. */
+START_TEST(onset_and_end_resolved)
+{
+    for (size_t k = 0; k < 4; k++) {
+        double plain = restitution_error("velocity-verlet", NONE, false, impacts[k].hertz,
+                                         impacts[k].e, 50.0);
+        double exact =
+            restitution_error("contact-exact", NONE, false, impacts[k].hertz, impacts[k].e, 50.0);
+        ck_assert_msg(exact < 0.01 * plain, "%s e = %g: %.3g against %.3g",
+                      impacts[k].hertz ? "hertz" : "linear", impacts[k].e, exact, plain);
     }
 }
 END_TEST
@@ -376,6 +395,7 @@ int main(void)
     tcase_add_loop_test(tcase, floors_and_gravity_at_the_right_moment, 0,
                         sizeof driven / sizeof *driven);
     tcase_add_loop_test(tcase, collision_orders, 0, sizeof colliders / sizeof *colliders);
+    tcase_add_test(tcase, onset_and_end_resolved);
     tcase_add_test(tcase, errors_follow_the_tolerance);
     tcase_add_test(tcase, collisions_follow_the_tolerance);
     tcase_add_test(tcase, moving_floors_follow_the_tolerance);
