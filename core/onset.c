@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Contacts that begin or end inside the step. A leapfrog is a sum of equal kicks, h sum F(t_k), where the impulse is an integral. For F = t^p after
- * an onset s steps before t_1 the sum exceeds it by zeta(-p, s), Hurwitz' function (Navot, J. Math. and Phys. 40 (1961) 271): p = 0 makes the jump of
- * a damper an error of first order, p = 1/4 and 3/2 are Tsuji's and Hertz' forces. So in the step of the onset, and in that of the end, which is
- * an onset in reverse, the laws are tried at four moments after it, powers 0, 1/4, 1, 3/2 are laid through what they answer, and the kick is
- * what makes the sum right for them. The moment of the impulse before t_1 is made good too: a kick more then and less one step
- * later, which waits in history. Damping takes the velocity at t_k, where laws see that of half a step before.
+ * Contacts that begin or end inside the step. A leapfrog is a sum of equal kicks, h sum F(t_k), where the impulse is
+ * an integral. For F = t^p after an onset s steps before t_1 the sum exceeds it by zeta(-p, s), Hurwitz' function
+ * (Navot, J. Math. and Phys. 40 (1961) 271): p = 0 makes the jump of a damper an error of first order, p = 1/4 and
+ * 3/2 are Tsuji's and Hertz' forces. So in the step of the onset, and in that of the end, which is an onset in
+ * reverse, the laws are tried at four moments after it, powers 0, 1/4, 1, 3/2 are laid through what they answer, and
+ * the kick is what makes the sum right for them. The moment of the impulse before t_1 is made good too: a kick more
+ * then and less one step later, which waits in history. Damping takes the velocity at t_k, where laws see that of
+ * half a step before.
  */
 #include "core/onset.h"
 
@@ -22,7 +24,8 @@ static const double factor[NODES][NODES] = {
 
 /* ---- weights ---- */
 
-/* -zeta(-1/4, s) and -zeta(-3/2, s): Euler and Maclaurin's formula from the eighth term on, the next term of which is below 1e-7. */
+/* -zeta(-1/4, s) and -zeta(-3/2, s): Euler and Maclaurin's formula from the eighth term on, the next term of which is
+ * below 1e-7. */
 static void tails(calx_v8 s, calx_v8 *quarter, calx_v8 *hertz)
 {
     calx_v8 q = s + (double)TERMS, root = calx_v8_sqrt(q), y = calx_v8_sqrt(root), cube = q * q * q;
@@ -58,8 +61,8 @@ void CALX_ISA(calx_onset_weigh)(calx_v8 s, struct calx_onset_weights *w)
 
 /* ---- which contacts ---- */
 
-/* Those that began, or those that ended, in this step, and what is found of them. Columns have one lane per contact, and come first, so that they
- * are aligned. */
+/* Those that began, or those that ended, in this step, and what is found of them. Columns have one lane per contact,
+ * and come first, so that they are aligned. */
 struct changes {
     calx_column share;        /* of a step: from onset to now, or from the evaluation before to the end */
     calx_column speed, depth; /* m/s, m: of the approach, or of the parting in reverse, at the node under way */
@@ -102,8 +105,10 @@ static void take_columns(calx_column *to, const calx_column *from, size_t count,
             to[q][k] = from[q][x->lane[k]];
 }
 
-/* What laws see of the contacts but for overlap and normal velocity. Padding keeps what it has, which is finite; without mass it would not be. */
-static void take_contacts(const struct calx_plan *p, const struct calx_columns *c, struct changes *x, struct calx_columns *node)
+/* What laws see of the contacts but for overlap and normal velocity. Padding keeps what it has, which is finite;
+ * without mass it would not be. */
+static void take_contacts(const struct calx_plan *p, const struct calx_columns *c, struct changes *x,
+                          struct calx_columns *node)
 {
     node->n = x->n;
     take_columns(node->normal, c->normal, 3, x);
@@ -127,8 +132,8 @@ static void take_contacts(const struct calx_plan *p, const struct calx_columns *
     memset(x->torque, 0, sizeof x->torque);
 }
 
-static void run_laws(const struct calx_plan *p, size_t type, double time, const struct calx_columns *c, const struct changes *x,
-                     struct calx_columns *node)
+static void run_laws(const struct calx_plan *p, size_t type, double time, const struct calx_columns *c,
+                     const struct changes *x, struct calx_columns *node)
 {
     for (size_t q = 0; q < p->history; q++) {
         node->history[q] = node->kept[q];
@@ -154,8 +159,14 @@ static void go_on(double time, const struct calx_columns *node, struct changes *
     }
 }
 
-/* Sums what the laws have answered at node q. The work that normal laws book is that of half the force before and half the force there, for
- * the time they are told: 2/time times it is the power. At an end the force before is not none; apply() takes its part off. */
+static void add(double *to, calx_v8 v)
+{
+    calx_v8_store(to, calx_v8_load(to) + v);
+}
+
+/* Sums what the laws have answered at node q. The work that normal laws book is that of half the force before and
+ * half the force there, for the time they are told: 2/time times it is the power. At an end the force before is not
+ * none; apply() takes its part off. */
 static void add_node(const struct calx_plan *p, const struct calx_columns *node, int q, double h, double time,
                      const struct calx_onset_weights *weights, struct changes *x)
 {
@@ -164,13 +175,13 @@ static void add_node(const struct calx_plan *p, const struct calx_columns *node,
         calx_v8 owed = x->begin ? w->later[q] : (calx_v8){0}, force = x->begin ? w->force[q] : (calx_v8){0};
         calx_v8 sum = w->tail[q] + force + owed, fn = calx_v8_load(node->fn + lane);
         calx_v8 work = 2.0 * h / time * (w->tail[q] + 0.5 * force) * calx_v8_load(node->damping + lane);
-        calx_v8_store(x->fn + lane, calx_v8_load(x->fn + lane) + sum * fn);
-        calx_v8_store(x->owed + lane, calx_v8_load(x->owed + lane) - owed * fn);
-        calx_v8_store(x->work + lane, calx_v8_load(x->work + lane) + work);
+        add(x->fn + lane, sum * fn);
+        add(x->owed + lane, -owed * fn);
+        add(x->work + lane, work);
         for (int k = 0; k < 3 && p->needs & CALX_NEEDS_TANGENT; k++)
-            calx_v8_store(x->ft[k] + lane, calx_v8_load(x->ft[k] + lane) + sum * calx_v8_load(node->ft[k] + lane));
+            add(x->ft[k] + lane, sum * calx_v8_load(node->ft[k] + lane));
         for (int k = 0; k < 3 && p->needs & CALX_NEEDS_SPIN; k++)
-            calx_v8_store(x->torque[k] + lane, calx_v8_load(x->torque[k] + lane) + sum * calx_v8_load(node->torque[k] + lane));
+            add(x->torque[k] + lane, sum * calx_v8_load(node->torque[k] + lane));
     }
 }
 
@@ -183,8 +194,8 @@ static void part_speed(double h, const struct calx_columns *node, struct changes
     }
 }
 
-static void try_nodes(const struct calx_plan *p, size_t type, double h, const struct calx_columns *c, struct calx_columns *node,
-                      struct changes *x)
+static void try_nodes(const struct calx_plan *p, size_t type, double h, const struct calx_columns *c,
+                      struct calx_columns *node, struct changes *x)
 {
     struct calx_onset_weights weights[CALX_BATCH / 8];
     const double *at = CALX_ISA(calx_onset_node);
@@ -233,8 +244,9 @@ static double power(const struct calx_plan *p, const struct changes *x, size_t k
     return sum;
 }
 
-/* What is dissipated. Normal laws: as the nodes say. The others have booked, of an onset, the path since then with half their force, of an end
- * half a step of the force before and what was stored; what acts is the whole kick, half a step of which they book in the next step. */
+/* What is dissipated. Normal laws: as the nodes say. The others have booked, of an onset, the path since then with
+ * half their force, of an end half a step of the force before and what was stored; what acts is the whole kick, half
+ * a step of which they book in the next step. */
 static double lost(const struct calx_plan *p, const struct changes *x, size_t k, double h, struct calx_columns *c)
 {
     size_t lane = x->lane[k];
@@ -280,9 +292,10 @@ static void expect_owed(const struct calx_plan *p, double h, struct calx_columns
         }
 }
 
-/* Damping as the law reports it, d fn/d vn. The velocity at the moment t_k of the positions: v = vn + h a/2, where the acceleration a is that at the
- * last evaluation, (vn(t_k) - vn(t_k-1))/h, whatever made it, and the change of this contact's force since then: of that, vn/2 + h fn/(2 m*) is
- * kept, 0 where nothing is known. Energy: what the force now lacks, times v. */
+/* Damping as the law reports it, d fn/d vn. The velocity at the moment t_k of the positions: v = vn + h a/2, where
+ * the acceleration a is that at the last evaluation, (vn(t_k) - vn(t_k-1))/h, whatever made it, and the change of
+ * this contact's force since then: of that, vn/2 + h fn/(2 m*) is kept, 0 where nothing is known. Energy: what the
+ * force now lacks, times v. */
 static void damp_at_moment(const struct calx_plan *p, size_t l, size_t type, struct calx_columns *c)
 {
     const struct calx_law *law = &p->laws[l];

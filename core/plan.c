@@ -266,22 +266,6 @@ static int order_laws(struct calx_plan *p, struct calx_error *e)
     return 0;
 }
 
-/* Laws that act at a distance begin and end elsewhere than at touch: they are left as they are. */
-static int resolve_contacts(struct calx_plan *p, struct calx_error *e)
-{
-    p->resolves = p->law_count && p->motion_law && p->motion_law->resolves_contacts && p->gap == 0.0;
-    if (!p->resolves)
-        return 0;
-    if (p->history + 2 > CALX_HISTORY_MAX)
-        return calx_error_set(e, CALX_ERROR_INPUT, "the contact laws and integrator '%s' keep more than %d numbers per contact",
-                              p->motion->name, CALX_HISTORY_MAX);
-    p->owed = p->history++;
-    p->past = p->history++;
-    for (size_t l = 0; l < p->law_count; l++)
-        p->normal = p->laws[l].law->provides & CALX_NORMAL ? l : p->normal;
-    return 0;
-}
-
 static int join_needs(struct calx_plan *p, struct calx_error *e)
 {
     p->needs = p->conductance_demand.needs;
@@ -302,7 +286,7 @@ static int join_needs(struct calx_plan *p, struct calx_error *e)
         p->needs |= CALX_NEEDS_ROTATION;
     if (p->needs & CALX_NEEDS_ROTATION)
         p->needs |= CALX_NEEDS_TANGENT;
-    return resolve_contacts(p, e);
+    return calx_motion_resolve(p, e);
 }
 
 static int choose_step(struct calx_sim *s, struct calx_plan *p, struct calx_error *e)

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Integrator "contact-exact": the kicks and drifts of velocity-verlet (Swope et al., J. Chem. Phys. 76 (1982) 637), with contacts that begin or
- * end inside a step resolved by the engine (core/onset.c): there the sum of kicks is corrected to the integral of a force that sets in as a
- * power of time, by Navot, J. Math. and Phys. 40 (1961) 271. Damping takes the velocity at the moment of the positions. Second order
- * through collisions, damped or not, where the jump of the force leaves other schemes at first; one force evaluation per step.
+ * Integrator "contact-exact": the kicks and drifts of velocity-verlet (Swope et al., J. Chem. Phys. 76 (1982) 637),
+ * with contacts that begin or end inside a step resolved by the engine (core/onset.c): there the sum of kicks is
+ * corrected to the integral of a force that sets in as a power of time, by Navot, J. Math. and Phys. 40 (1961) 271.
+ * Damping takes the velocity at the moment of the positions. Second order through collisions, damped or not, where
+ * the jump of the force leaves other schemes at first; one force evaluation per step.
  */
 #include "core/plugin.h"
 

@@ -223,10 +223,10 @@ END_TEST
 
 /* ---- rest ---- */
 
-/* A damped grain in permanent contact with a floor, under gravity, from rest at 1.5 times its overlap
- * of rest, d: y = d e^(-b t) (cos w t + b/w sin w t) about that, w0 = 1/s. Velocities of the laws are
- * half a step late; with those velocity Verlet is of first order here. In the end it rests where
- * the spring carries it. */
+/* A damped grain in permanent contact with a floor, under gravity, let go at 1.5 times the overlap d at
+ * which it will rest: d/2 e^(-b t) (cos w t + b/w sin w t) about that, w0 = 1/s. Laws see velocities
+ * half a step late: with those velocity Verlet is of first order here. In the end the grain rests
+ * where the spring carries it. */
 static double settling_error(const char *integrator, size_t steps, double *rest)
 {
     const double b = 0.2, w = sqrt(1.0 - b * b), d = 0.01, t = 4.0;
