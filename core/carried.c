@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/state.h"
+#include "core/surface.h"
 
 int calx_carried_list(struct calx_sim *s, struct calx_error *e)
 {
@@ -66,7 +66,7 @@ static void set_velocity(struct calx_sim *s, const struct calx_carried *c, const
     calx_walls_velocity(s, c->wall, whole, now);
     memcpy(v, now, sizeof now);
     if (past)
-        calx_walls_past_velocity(s, c->wall, whole, now, v);
+        calx_surface_past_velocity(pose, whole, now, v);
     if (s->features.rotation)
         memcpy(v + 4, past ? pose->past_spin : pose->spin, sizeof pose->spin);
 }

@@ -37,6 +37,8 @@ struct calx_columns {
     struct calx_contacts views[CALX_LAWS_MAX + 1];
     double *law_history[CALX_LAWS_MAX][CALX_HISTORY_MAX];
     uint8_t was[CALX_BATCH / 8], is[CALX_BATCH / 8]; /* touching, before and now: a bit per lane */
+    calx_column damping; /* of normal laws, N s/m, then their work, J: see onset.c; */
+    double centre;       /* s: the step, 0 if there is none */
     size_t n;                                        /* last, so that every column is aligned */
 } __attribute__((aligned(64)));
 
@@ -46,6 +48,10 @@ struct calx_columns {
 void CALX_ISA(calx_evaluate_motion)(const struct calx_plan *, double lag, struct calx_columns *);
 
 /* Runs the laws and, if `conduct`, the conductance: fn to conductance. clock may be NULL. */
+void CALX_ISA(calx_evaluate_stack)(const struct calx_plan *, size_t type, double dt, bool conduct,
+                                   struct calx_columns *, struct calx_clock *clock);
+
+/* The same, with onset and end of contacts inside the step if the integrator resolves them: columns are then the first of two. */
 void CALX_ISA(calx_evaluate_laws)(const struct calx_plan *, size_t type, double dt, bool conduct,
                                   struct calx_columns *, struct calx_clock *clock);
 

@@ -286,6 +286,31 @@ static void check_drifts(const struct calx_choice *c, struct calx_conformance *r
                       c->where);
 }
 
+/* What `resolves_contacts` promises: an evaluation acts as one kick, dt times it, at the moment of
+ * its positions. Here the second of four. */
+static void check_kick(const struct calx_choice *c, struct calx_conformance *report)
+{
+    struct calx_oscillators s, start;
+    double worst = 0, dt = 0.05;
+    calx_oscillators_begin(&s, BODIES, 4, dt, false);
+    start = s;
+    for (int step = 0; step < 4; step++) {
+        const struct calx_stage *stage = c->motion.translation;
+        if (stage->before)
+            stage->before(c->params, &s.r);
+        for (size_t i = 0; i < BODIES; i++)
+            s.a[4 * i] = step == 1 ? 1 : 0;
+        if (stage->after)
+            stage->after(c->params, &s.r);
+    }
+    for (size_t i = 0; i < BODIES; i++) {
+        double way = s.x[4 * i] - start.x[4 * i] - 4 * dt * start.v[4 * i];
+        worst = fmax(worst, fabs(s.v[4 * i] - start.v[4 * i] - dt));
+        worst = fmax(worst, fabs(way - 2 * dt * dt));
+    }
+    calx_conform_note(report, "an evaluation is one kick at its moment", worst, 1e-14, c->where);
+}
+
 static void run_kernel(const struct calx_choice *c, calx_rows_kernel *kernel, const struct calx_rows *rows)
 {
     if (kernel)
@@ -353,6 +378,8 @@ void calx_conform_motion(struct calx_choice *c, struct calx_conformance *report)
     }
     if (m->drifts && m->stages == 1 && !m->start && m->translation->before)
         check_drifts(c, report);
+    if (m->resolves_contacts)
+        check_kick(c, report);
     check_whole(c, report);
     check_reversible(c, report);
     check_shift(c, report);

@@ -7,6 +7,7 @@
 
 #include "core/columns.h"
 #include "core/lanes.h"
+#include "core/onset.h"
 #include "core/timing.h"
 
 static void load3(const calx_column *from, size_t lane, calx_v8 v[3])
@@ -141,6 +142,8 @@ static void run_laws(const struct calx_plan *p, size_t type, double dt, struct c
         if (p->cohesion && law->law->provides & CALX_COHESION)
             memcpy(c->coulomb, c->fn, sizeof c->coulomb);
         law->law->force(pair_params(law->plugin, law->params, type), present(p, l, type, dt, c));
+        if (p->resolves && l == p->normal)
+            CALX_ISA(calx_onset_normal)(p, l, type, c);
         calx_timing_law(clock, l);
     }
 }
@@ -154,6 +157,12 @@ static void clear(calx_column *columns, size_t count, size_t n)
 
 void CALX_ISA(calx_evaluate_laws)(const struct calx_plan *p, size_t type, double dt, bool conduct,
                                   struct calx_columns *c, struct calx_clock *clock)
+{
+    (p->resolves && dt > 0.0 ? CALX_ISA(calx_onset_laws) : CALX_ISA(calx_evaluate_stack))(p, type, dt, conduct, c, clock);
+}
+
+void CALX_ISA(calx_evaluate_stack)(const struct calx_plan *p, size_t type, double dt, bool conduct,
+                                   struct calx_columns *c, struct calx_clock *clock)
 {
     if (c->viewed != p)
         make_views(p, c);

@@ -217,6 +217,8 @@ static const char *motion_lacks(const void *law)
            : !(l->damping > 0)                     ? "damping must be greater than 0"
            : !isfinite(l->velocity_lag)
                ? "velocity_lag must be finite"
+           : l->resolves_contacts && (l->stages != 1 || l->start || l->velocity_lag != 0.5)
+               ? "resolves_contacts needs one stage, no start and a velocity_lag of 0.5"
                : names_missing(l->extra, extra, "extra must name every row of extra state");
 }
 

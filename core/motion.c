@@ -173,3 +173,24 @@ void calx_motion_forget(struct calx_sim *s)
         if (s->r.extra[k])
             memset(s->r.extra[k], 0, 4 * s->r.rows * sizeof(double));
 }
+
+/* ---- onset and end of contacts ---- */
+
+/* Laws that act at a distance begin and end elsewhere than at touch: they are left as they are. */
+int calx_motion_resolve(struct calx_plan *p, struct calx_error *e)
+{
+    p->resolves = p->law_count && p->motion_law && p->motion_law->resolves_contacts &&
+                  p->gap == 0.0;
+    if (!p->resolves)
+        return 0;
+    if (p->history + 2 > CALX_HISTORY_MAX)
+        return calx_error_set(e, CALX_ERROR_INPUT,
+                              "the contact laws and integrator '%s' keep more than %d "
+                              "numbers per contact",
+                              p->motion->name, CALX_HISTORY_MAX);
+    p->owed = p->history++;
+    p->past = p->history++;
+    for (size_t l = 0; l < p->law_count; l++)
+        p->normal = p->laws[l].law->provides & CALX_NORMAL ? l : p->normal;
+    return 0;
+}

@@ -286,7 +286,7 @@ static int join_needs(struct calx_plan *p, struct calx_error *e)
         p->needs |= CALX_NEEDS_ROTATION;
     if (p->needs & CALX_NEEDS_ROTATION)
         p->needs |= CALX_NEEDS_TANGENT;
-    return 0;
+    return calx_motion_resolve(p, e);
 }
 
 static int choose_step(struct calx_sim *s, struct calx_plan *p, struct calx_error *e)

@@ -270,6 +270,10 @@ struct calx_motion_integrator {
     double stability, damping;
     double velocity_lag;     /* at a force evaluation velocities are those of lag*dt before the positions; not changed by prepare
                               * when setup.uses_velocity is */
+    /* 1: wants contacts that begin or end inside a step resolved: the engine then answers with kicks whose sum over equal steps is the
+     * impulse, as if it knew the moments, and with damping at the velocity of the moment of the positions. One stage, whose evaluation
+     * acts as one kick, v += dt a, at the moment of its positions, and with velocities half a step before (velocity_lag 0.5). */
+    uint32_t resolves_contacts;
     uint32_t constant_step;  /* 1: the step may not change during a run, for the extra state is that of one step */
     uint32_t extra_translation, extra_rotation; /* rows of extra state per particle, 8 at most */
     const char *const *extra; /* their names */

@@ -18,7 +18,7 @@ static int create_scratch(struct calx_sim *s, struct calx_error *e)
     s->share = calloc((size_t)s->threads + 1, sizeof *s->share);
     s->left = calloc((size_t)s->threads, sizeof *s->left);
     for (int t = 0; s->columns && s->forces && s->share && s->left && t < s->threads; t++)
-        if (!(s->columns[t] = calx_memory_zeroed(1, sizeof **s->columns)))
+        if (!(s->columns[t] = calx_memory_zeroed(2, sizeof **s->columns)))
             return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for threads");
     return s->columns && s->forces && s->share && s->left ? 0 : calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for threads");
 }

@@ -68,6 +68,8 @@ struct calx_plan {
     int64_t heat_every;       /* steps of motion per heat step, at dt */
     double heat_dt;
     bool adapts;              /* dt is the longest that is taken: the step follows the contacts */
+    bool resolves;            /* onset and end of contacts inside a step (onset.c): */
+    size_t normal, owed, past; /* the last normal law; columns of history: the force owed to a contact, and what is kept of its velocity */
     bool cohesion;            /* the Coulomb limit differs from fn */
     bool global_heat;
 };
@@ -256,7 +258,7 @@ struct calx_sim {
     struct calx_timing_from { double seconds; uint64_t tick; int64_t step, rebuilds; } timing_from;
 
     /* scratch, one per thread */
-    struct calx_columns **columns;
+    struct calx_columns **columns; /* two each: the batch, and what onset.c tries */
     double **forces;             /* rows of accelerations of the block under way, when they need not be kept */
 
     /* probes */
@@ -409,6 +411,8 @@ void calx_step_set_gravity(struct calx_sim *, double t);
 /* motion.c: the integrator of motion. Starting: the stages before the first step, at the present state. */
 int calx_motion_start(struct calx_sim *, struct calx_error *);
 void calx_motion_forget(struct calx_sim *); /* what an integrator kept, before another takes over */
+/* Whether the integrator of a plan resolves onset and end of contacts, and the history that takes; fails if that has no room. */
+int calx_motion_resolve(struct calx_plan *, struct calx_error *);
 int calx_motion_step(struct calx_sim *, double t, bool ahead, struct calx_error *); /* to time t */
 /* global.c: the same for a global integrator. */
 int calx_motion_step_global(struct calx_sim *, double t, struct calx_error *);

@@ -263,6 +263,14 @@ static ptrdiff_t find_old(const struct calx_wall_contact *old, size_t count, siz
     return -1;
 }
 
+/* Of the lane to come: whether it touched at the last evaluation, and does now. */
+static void note_touch(struct calx_columns *c, bool was, bool is)
+{
+    size_t byte = c->n / 8, bit = c->n % 8, others = (1u << bit) - 1u;
+    c->was[byte] = (uint8_t)((c->was[byte] & others) | (size_t)was << bit);
+    c->is[byte] = (uint8_t)((c->is[byte] & others) | (size_t)is << bit);
+}
+
 /* Adds a lane with the history of old contact `old` (-1: none), flushing first if the batch is full or of another pair of materials. */
 static void push(struct wall_batch *w, int32_t row, const struct candidate *k, ptrdiff_t old, size_t slot)
 {
@@ -277,6 +285,7 @@ static void push(struct wall_batch *w, int32_t row, const struct candidate *k, p
     w->slot[c->n] = slot;
     for (size_t h = 0; h < columns; h++)
         c->history[h][c->n] = old >= 0 ? s->wall_history[columns * (size_t)old + h] : 0.0;
+    note_touch(c, old >= 0, slot != NOWHERE);
     fill_lane(w, row, k);
     if (slot == NOWHERE) /* over: seen once more so that its last half step is booked */
         c->overlap[c->n - 1] = fmin(c->overlap[c->n - 1], -s->plan->gap);

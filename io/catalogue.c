@@ -148,6 +148,8 @@ static void print_motion(FILE *out, const void *law)
         fprintf(out, "sub-steps of its own");
     fprintf(out, ", stable for omega dt < %g, c/m dt < %g%s%s\n", l->stability, l->damping,
             l->reversible ? ", reversible" : "", l->symplectic ? ", symplectic" : "");
+    if (l->resolves_contacts)
+        fprintf(out, "  resolves onset and end of contacts inside a step\n");
 }
 
 static void print_temperature(FILE *out, const void *law)

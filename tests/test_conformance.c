@@ -93,6 +93,7 @@ static const struct {
     {"faulty-motion-shown", "the descriptor is that of the defaults"},
     {"faulty-motion-idle", "each evaluation is used"},
     {"faulty-motion-whole", "whole rows are the same as their halves"},
+    {"faulty-motion-kick", "an evaluation is one kick at its moment"},
     {"faulty-global-unkept", "order of motion as declared"},
     {"faulty-global-elapsed", "order of motion as declared"},
     {"faulty-global-longest", "its longest step is stable"},
@@ -144,7 +145,7 @@ START_TEST(test_right_variants_pass)
 END_TEST
 
 /* The plugins of this issue: the suite runs on them and on whatever else the folders hold. */
-enum { PLUGINS = 22 };
+enum { PLUGINS = 23 };
 
 START_TEST(test_every_plugin_passes)
 {
@@ -215,6 +216,7 @@ static const struct {
      {"spring-and-damper or spring", "spring-and-damper if not given",
       "tangential velocity, rotation"}},
     {"verlet", 0, {"order 2, 1 force evaluation per step", "reversible", "no parameters"}},
+    {"contact-exact", 0, {"resolves onset and end of contacts", "Navot"}},
     {"cash-karp", 0, {"order 5, sub-steps of its own", "1e-08 if not given"}},
     {"gear", 0, {"order 5, 1 force evaluation per step", "3 or 4 or 5", "Allen and Tildesley"}},
     {"heat-theta", 0, {"stable for any step", "0.5 if not given"}},

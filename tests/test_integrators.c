@@ -75,6 +75,7 @@ static const struct {
     {"symplectic-euler", NONE, false, NAN, NAN, 1.0},
     {"adams-bashforth-2", NONE, false, NAN, NAN, 2.0},
     {"newmark", NONE, false, 4.13e-3, -6.4e-4, 2.0},
+    {"contact-exact", NONE, false, 4.13e-3, -6.4e-4, 2.0},
     {"newmark", TRAPEZOID, false, NAN, NAN, 2.0},
     {"newmark", DISSIPATIVE, false, NAN, NAN, 1.0},
     {"rk4", NONE, false, NAN, NAN, 4.0},
@@ -162,6 +163,7 @@ static const struct {
     {"rk4", NONE, 4.0},
     {"yoshida", NONE, 4.0},
     {"newmark", NONE, 2.0},
+    {"contact-exact", NONE, 2.0},
     {"newmark", TRAPEZOID, 2.0},
 };
 
@@ -248,7 +250,9 @@ static const struct {
 /* Table of the design: errors at 50 steps per contact and orders. The orders fit within 0.2, the
  * errors within 15 % (two digits, and n counted on the elastic or the damped duration). gear with
  * its other alpha_0 does the same: no better than velocity-verlet. newmark is the table's velocity
- * Verlet with centred damping. yoshida is not in the table. */
+ * Verlet with centred damping. yoshida is not in the table. contact-exact:
+ * as measured, a hundred times below velocity-verlet and more in each of the four, as the issue asks
+ * of the first two; what velocity Verlet errs in frequency between onset and end, (pi/n)^2/24, is 5.7e-5 of e = 0.5. */
 static const struct {
     const char *integrator;
     const struct given *given;
@@ -264,6 +268,7 @@ static const struct {
     {"rk4", NONE, false, {8.3e-5, 3.2e-3, 1.0e-5, 7.9e-4}, {2.0, 1.0, 2.5, 1.25}},
     {"yoshida", NONE, false, {NAN, NAN, NAN, NAN}, {2.0, 1.0, 2.5, 1.05}},
     {"newmark", NONE, false, {2.0e-4, 5.5e-3, 2.8e-5, 1.6e-3}, {2.0, 1.0, 2.5, 1.25}},
+    {"contact-exact", NONE, false, {6.7e-7, 1.7e-5, 4.35e-8, 2.2e-5}, {4.0, 2.0, 5.0, 1.75}},
 };
 
 START_TEST(collision_orders)

@@ -147,7 +147,7 @@ END_TEST
 
 /* A grain of 0.25 mm one degree from the top of the neck of two fixed spheres `ratio` times as
  * large. */
-static struct calx_scene *neck_scene(double ratio, double dt)
+static struct calx_scene *neck_scene(const char *integrator, double ratio, double dt)
 {
     const double small = 0.25e-3, large = ratio * small,
                  d = sqrt((large + small) * (large + small) - large * large);
@@ -157,7 +157,7 @@ static struct calx_scene *neck_scene(double ratio, double dt)
                 (struct given[]){{"stiffness", 1e4}, {"restitution", 0.5}, {NULL, 0.0}});
     scene_model(s, CALX_CONTACT, "coulomb",
                 (struct given[]){{"stiffness", 8235.0}, {"friction", 0.5}, {NULL, 0.0}});
-    scene_model(s, CALX_MOTION, "velocity-verlet", NULL);
+    scene_model(s, CALX_MOTION, integrator, NULL);
     s->models[0].dt = dt;
     s->models[0].forced = true; /* the coarse one of two has 6.4 steps in a contact */
     scene_put(s, 0, 0.0, 0.0, 0.0, large);
@@ -196,10 +196,10 @@ static const double ROLLING = 8.7e-4, DETACHED_BY = 0.150, DETACHED_AT = 71.1, A
                     LANDS = 0.2045, TIME_BOUND = 0.001, LANDING_ENERGY = 3.29e-8,
                     LANDING_BOUND = 0.01;
 
-static void roll_down_the_neck(double dt)
+static void roll_down_the_neck(const char *integrator, double dt)
 {
     static const double at[] = {0.030, 0.060, 0.090, 0.120, 0.144};
-    struct run r = run_start(neck_scene(20.0, dt), 1);
+    struct run r = run_start(neck_scene(integrator, 20.0, dt), 1);
     double mass = run_mass(&r, 2), detached = 0.0, angle = 0.0, energy = 0.0;
     size_t next = 0;
     while (run_x(&r, 2)[2] > -0.02 + 0.25e-3 && calx_sim_time(r.sim) < 0.21) {
@@ -208,7 +208,7 @@ static void roll_down_the_neck(double dt)
         if (next < 5 && calx_sim_time(r.sim) > at[next] - 0.5 * dt) {
             double expected = neck_energy(at[next]);
             ck_assert_msg(fabs(energy / expected - 1.0) < ROLLING,
-                          "dt %g: at %g s %.7g J instead of %.7g", dt, at[next], energy, expected);
+                          "%s, dt %g: at %g s %.7g J instead of %.7g", integrator, dt, at[next], energy, expected);
             next++;
         }
         if (detached == 0.0 && calx_sim_step_count(r.sim) > 10 && !calx_sim_contact_count(r.sim)) {
@@ -219,25 +219,28 @@ static void roll_down_the_neck(double dt)
     }
     ck_assert_msg(detached > 0.144 && detached < DETACHED_BY &&
                       fabs(angle - DETACHED_AT) < ANGLE_BOUND,
-                  "dt %g: detached at %g s, %g degrees", dt, detached, angle);
-    ck_assert_msg(fabs(calx_sim_time(r.sim) - LANDS) < TIME_BOUND, "dt %g: lands at %g s", dt,
+                  "%s, dt %g: detached at %g s, %g degrees", integrator, dt, detached, angle);
+    ck_assert_msg(fabs(calx_sim_time(r.sim) - LANDS) < TIME_BOUND, "%s, dt %g: lands at %g s", integrator, dt,
                   calx_sim_time(r.sim));
-    ck_assert_msg(fabs(energy / LANDING_ENERGY - 1.0) < LANDING_BOUND, "dt %g: lands with %g J", dt,
+    ck_assert_msg(fabs(energy / LANDING_ENERGY - 1.0) < LANDING_BOUND, "%s, dt %g: lands with %g J", integrator, dt,
                   energy);
     run_free(&r);
 }
 
 START_TEST(neck_rolling)
 {
-    roll_down_the_neck(1e-6);
-    roll_down_the_neck(5e-7);
+    static const char *const integrators[] = {"velocity-verlet", "contact-exact"};
+    for (size_t k = 0; k < 2; k++) {
+        roll_down_the_neck(integrators[k], 1e-6);
+        roll_down_the_neck(integrators[k], 5e-7);
+    }
 }
 END_TEST
 
 /* The angle at which the grain loses contact for good, degrees; 0: never. */
 static double detaching_angle(double ratio, double dt)
 {
-    struct run r = run_start(neck_scene(ratio, dt), 1);
+    struct run r = run_start(neck_scene("velocity-verlet", ratio, dt), 1);
     double angle = 0.0;
     for (int apart = 0; calx_sim_time(r.sim) < 0.6 && apart < 200;) {
         run_steps(&r, 1);

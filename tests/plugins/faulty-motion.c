@@ -27,7 +27,9 @@ enum {
     MOMENT,
     IDLE,
     SHOWN,
-    WHOLE
+    WHOLE,
+    KICK,
+    RESOLVES
 };
 
 enum { HALVES = FAULT == TWO || FAULT == MOMENT ? 2 : 1 };
@@ -50,7 +52,7 @@ static void kick(const struct calx_rows *r, double share)
 static void before(const void *params, const struct calx_rows *r)
 {
     (void)params;
-    kick(r, FAULT == ORDER ? 1 : 0.5);
+    kick(r, FAULT == ORDER ? 1 : FAULT == KICK ? 0.5 + 1e-9 : 0.5);
     for (size_t i = 0; i < r->n; i++)
         for (size_t k = 0; k < 4; k++) {
             r->x[4 * i + k] += r->dt[k] / HALVES * r->v[i * r->stride + k];
@@ -156,7 +158,8 @@ static const struct calx_motion_integrator law = {.order = 2,
                                                   .damping = FAULT == DAMPING  ? 2.2
                                                              : FAULT == DAMPED ? 40
                                                                                : 2 * HALVES,
-                                                  .velocity_lag = FAULT == LAG ? 0 : 0.5 / HALVES,
+                                                  .velocity_lag = FAULT == LAG || FAULT == RESOLVES ? 0 : 0.5 / HALVES,
+                                                  .resolves_contacts = FAULT == KICK || FAULT == RESOLVES,
                                                   .translation = translation,
                                                   .rotation = rotation,
                                                   .whole = FAULT == WHOLE ? whole : NULL,
