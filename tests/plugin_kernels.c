@@ -2,8 +2,10 @@
  *
  * plugin_kernels FILE.so...: calls the kernels of plugins over full batches, for a counter of instructions to look at
  * (test_instructions.py, under callgrind). Each choice of parameters, the typical one and those that differ in one row, is one call of
- * drive(), which is dumped at its end; one line says plugin, choice and how many contacts, particles or bodies went through.
+ * drive(), which is dumped at its end; one line says plugin, choice, how many contacts, particles or bodies went through, and a hash of
+ * the results, which must be the same on any machine (tests/aarch64).
  */
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -78,6 +80,8 @@ static void drive_temperature(const struct calx_choice *c)
 static void fill(const struct calx_choice *c)
 {
     uint64_t seed = SEED;
+    memset(&rows, 0, sizeof rows);
+    memset(&trial, 0, sizeof trial);
     for (size_t i = 0; i < 8 * BODIES; i++)
         rows.v[i] = rows.a[i] = 0.1;
     for (size_t i = 0; i < BODIES; i++) {
@@ -116,6 +120,29 @@ static size_t units(const struct calx_choice *c)
     return TURNS * (c->plugin->kind == CALX_MOTION && c->motion.advance ? CALX_OSCILLATORS : BODIES);
 }
 
+/* FNV-1a. NaN is one value, whatever its bits: it stands in columns that the law has not asked for. */
+static void mix(uint64_t *hash, const double *values, size_t count)
+{
+    for (size_t k = 0; k < count; k++) {
+        uint64_t bits = 0;
+        if (!isnan(values[k]))
+            memcpy(&bits, &values[k], sizeof bits);
+        for (size_t byte = 0; byte < sizeof bits; byte++)
+            *hash = (*hash ^ (bits >> 8 * byte & 255)) * 0x100000001b3u;
+    }
+}
+
+static uint64_t hash_results(void)
+{
+    uint64_t hash = 0xcbf29ce484222325u;
+    mix(&hash, trial.column[0], CALX_COL_COUNT * CALX_BATCH);
+    mix(&hash, rows.x, sizeof rows.x / sizeof *rows.x);
+    mix(&hash, rows.v, sizeof rows.v / sizeof *rows.v);
+    mix(&hash, heat.temperature, sizeof heat.temperature / sizeof *heat.temperature);
+    mix(&hash, oscillators.x, sizeof oscillators.x / sizeof *oscillators.x);
+    return hash;
+}
+
 static void visit(struct calx_choice *c, struct calx_conformance *report)
 {
     (void)report;
@@ -123,7 +150,8 @@ static void visit(struct calx_choice *c, struct calx_conformance *report)
         return;
     fill(c);
     drive(c);
-    printf("%s-%s\t%s\t%zu\n", kinds[c->plugin->kind].name, c->plugin->name, c->where, units(c));
+    printf("%s-%s\t%s\t%zu\t%016" PRIx64 "\n", kinds[c->plugin->kind].name, c->plugin->name, c->where, units(c),
+           hash_results());
 }
 
 int main(int count, char **files)
