@@ -10,6 +10,8 @@ from collections import namedtuple
 
 # A call: object file and function of caller and callee, how often, and the instructions of the callee with all that it called.
 Call = namedtuple("Call", "caller_object caller callee_object callee count instructions")
+# Of `calx bench`, the step loop alone: the second part is that of the timed steps, for calx_sim_timing is asked before and after them.
+STEP_LOOP = ["--toggle-collect=calx_sim_advance", "--toggle-collect=calx_sim_step", "--dump-before=calx_sim_timing"]
 # What was counted between two dumps.
 Part = namedtuple("Part", "total calls")
 

@@ -87,6 +87,11 @@ class Report(unittest.TestCase):
         split = calx("bench", *SMALL, "--json", "--threads", "1", "--warm", str(WARM + STEPS - 1), "--steps", "1")
         self.assertEqual(json.loads(split.stdout)["hash"], short["hash"])
 
+    def test_a_scene_without_search_is_json_too(self):
+        done = calx("bench", os.path.join(ROOT, "cases", "01-bounce"), "--json", "--threads", "1", "--warm", "0", "--steps", "10")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertGreater(json.loads(done.stdout, parse_constant=self.fail)["particle_steps_per_second"], 0)
+
     def test_text_says_the_same(self):
         done = calx("bench", *SMALL, "--threads", "1", "--warm", str(WARM), "--steps", str(STEPS))
         self.assertEqual(done.returncode, 0, done.stderr)

@@ -60,9 +60,9 @@ def count_scene(scene, folder, environment):
     text, parts = callgrind.run(
         [PROGRAM, "bench", os.path.join(HERE, "bench", scene), *settings(["particles/csv/file=" + state] + run), "--threads", "1",
          "--warm", str(WARM), "--steps", str(steps), "--json"],
-        ["--toggle-collect=calx_sim_advance", "--toggle-collect=calx_sim_step", "--dump-before=calx_sim_timing"], environment)
+        callgrind.STEP_LOOP, environment)
     record = json.loads(text)
-    timed = parts[1]  # calx_sim_timing is asked before and after the timed steps
+    timed = parts[1]
     spent = sum(c.instructions for c in timed.calls if c.callee == "calx_neighbours_build")
     lists = record["rebuilds"]  # callgrind's number of calls has the one before the steps too, which it was not to collect
     assert (lists > 0) == (spent > 0), (scene, lists, spent)
