@@ -7,6 +7,7 @@
 #include "io/bench.h"
 
 #include <inttypes.h>
+#include <math.h>
 
 double calx_bench_speed(const struct calx_bench *b)
 {
@@ -119,9 +120,13 @@ static void print_string(const char *text, FILE *file)
     fputc('"', file);
 }
 
+/* JSON has no infinity: the skin of a scene without a search. */
 static void print_number(const char *key, double value, FILE *file)
 {
-    fprintf(file, ", \"%s\": %.9g", key, value);
+    if (isfinite(value))
+        fprintf(file, ", \"%s\": %.9g", key, value);
+    else
+        fprintf(file, ", \"%s\": null", key);
 }
 
 static void print_json_phases(const struct calx_bench *b, FILE *file)

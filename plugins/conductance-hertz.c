@@ -7,6 +7,7 @@
  * matters here.
  */
 #include <math.h>
+#include <string.h>
 
 #include "core/plugin.h"
 
@@ -60,14 +61,56 @@ static int prepare(const struct calx_setup *setup, void *params, struct calx_dem
     return 0;
 }
 
+/* The cube root of v >= 0, in operations that vectorise. A third of the exponent and of the first bits after it, as one number, is
+ * right within 5 %; each of Halley's steps leaves less than the cube of the error: 1e-4, 1e-12, rounding. */
+static inline double cube_root(double v)
+{
+    const uint64_t middle = (uint64_t)((2.0 / 3.0 * 1023 - 0.0331) * (1 << 20));
+    uint64_t bits;
+    double root;
+    memcpy(&bits, &v, sizeof bits);
+    bits = (((bits >> 32) * 0x55555556u >> 32) + middle) << 32;
+    memcpy(&root, &bits, sizeof root);
+    for (int turn = 0; turn < 3; turn++) {
+        double cube = root * root * root;
+        root *= (cube + 2 * v) / (2 * cube + v);
+    }
+    return v > 0 ? root : 0;
+}
+
+/* `discs` is known when this is compiled. */
+static inline __attribute__((always_inline)) void press(const int discs, size_t n, const struct hertz *p,
+                                                        const double *restrict overlap, const double *restrict normal_force,
+                                                        const double *restrict k1, const double *restrict k2,
+                                                        double *restrict h)
+{
+    const double scale = p->scale, twice = p->twice;
+    for (size_t c = 0; c < n; c++) {
+        double fn = overlap[c] > 0 && normal_force[c] > 0 ? normal_force[c] : 0;
+        double pressed = scale * fn / (k1[c] + k2[c]);
+        h[c] = twice * (discs ? sqrt(sqrt(pressed)) : cube_root(pressed));
+    }
+}
+
+CALX_KERNEL static void press_spheres(size_t n, const struct hertz *p, const double *restrict overlap,
+                                      const double *restrict fn, const double *restrict k1,
+                                      const double *restrict k2, double *restrict h)
+{
+    press(0, n, p, overlap, fn, k1, k2, h);
+}
+
+CALX_KERNEL static void press_discs(size_t n, const struct hertz *p, const double *restrict overlap,
+                                    const double *restrict fn, const double *restrict k1,
+                                    const double *restrict k2, double *restrict h)
+{
+    press(1, n, p, overlap, fn, k1, k2, h);
+}
+
 static void conductance(const void *params, const struct calx_contacts *b, double *restrict h)
 {
     const struct hertz *p = params;
-    for (size_t c = 0; c < b->n; c++) {
-        double fn = b->overlap[c] > 0 && b->fn[c] > 0 ? b->fn[c] : 0;
-        double pressed = p->scale * fn / (b->curvature[0][c] + b->curvature[1][c]);
-        h[c] = p->twice * (p->discs > 0 ? sqrt(sqrt(pressed)) : cbrt(pressed));
-    }
+    (p->discs > 0 ? press_discs : press_spheres)(calx_padded(b->n), p, b->overlap, b->fn, b->curvature[0], b->curvature[1],
+                                                 h);
 }
 
 static const struct calx_conductance_law law = {

@@ -3,10 +3,11 @@
  * A contact law to start from: a linear spring with a dashpot, fn = k d - c vn.
  *
  * Copy this file to contact-NAME.c, change what is between the braces, and build it with one
- * command: cc -O3 -fPIC -shared -fvisibility=hidden -ffp-contract=off -I SOURCE contact-NAME.c -o
- * contact-NAME.so -lm (SOURCE: the folder that holds core/plugin.h.) Test it with `calx plugins
- * --check ./contact-NAME.so`, put it into a folder that the environment variable CALX_PLUGINS
- * names, and write <contact plugin="NAME" stiffness="1000 N/m"/> in a case.
+ * command: cc -O3 -fno-math-errno -fno-trapping-math -ffp-contract=off -fPIC -shared
+ * -fvisibility=hidden -I SOURCE contact-NAME.c -o contact-NAME.so -lm (SOURCE: the folder that
+ * holds core/plugin.h.) Test it with `calx plugins --check ./contact-NAME.so`, put it into a folder
+ * that the environment variable CALX_PLUGINS names, and write <contact plugin="NAME"
+ * stiffness="1000 N/m"/> in a case.
  *
  * Reference: say here which paper the law is from, and which equation.
  */

@@ -97,6 +97,11 @@ class Report(unittest.TestCase):
             hashes.add(json.loads(done.stdout)["hash"])
         self.assertEqual(len(hashes), 1)
 
+    def test_a_scene_without_search_is_json_too(self):
+        done = calx("bench", os.path.join(ROOT, "cases", "01-bounce"), "--json", "--threads", "1", "--warm", "0", "--steps", "10")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertGreater(json.loads(done.stdout, parse_constant=self.fail)["particle_steps_per_second"], 0)
+
     def test_text_says_the_same(self):
         done = calx("bench", *SMALL, "--threads", "1", "--warm", str(WARM), "--steps", str(STEPS))
         self.assertEqual(done.returncode, 0, done.stderr)

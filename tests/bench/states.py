@@ -46,7 +46,8 @@ def last_frame(folder, name):
     """Rows of the CSV from the last frame of the run of that name."""
     path = sorted(glob.glob(os.path.join(folder, name + "_[0-9]*.vtu")))[-1]
     with open(path, "rb") as file:
-        text, data = file.read().split(b'<AppendedData encoding="raw">_', 1)
+        text, data = file.read().split(b'<AppendedData encoding="raw">', 1)
+    data = data.lstrip()[1:]  # white space, an underscore, the data
     place, radius, speed = (read_array(text, data, name) for name in ("position", "radius", "velocity"))
     return [place[3 * i:3 * i + 3] + (radius[i],) + speed[3 * i:3 * i + 3] for i in range(len(radius))]
 
@@ -59,13 +60,21 @@ def heat_gas(rows):
     return [row[:4] + tuple(s[i] - m for s, m in zip(speeds, means)) for i, row in enumerate(rows)]
 
 
-def make(scene, program, environment, folder):
+def make(scene, program, environment, folder, settings=()):
+    """Rows of the CSV; settings: words of calx run that change the case."""
     out = os.path.join(folder, "make-" + scene)
     case = os.path.join(HERE, "make", scene + ".xml")
-    subprocess.run([program, "run", case, "--out", out, "--quiet"], check=True, env=environment)
+    subprocess.run([program, "run", case, "--out", out, "--quiet", *settings], check=True, env=environment)
     rows = last_frame(out, scene)
     shutil.rmtree(out)
     return heat_gas(rows) if scene == "s4" else rows
+
+
+def write(rows, path):
+    with open(path, "w", encoding="ascii", newline="") as out:
+        writer = csv.writer(out, lineterminator="\n")
+        writer.writerow(HEADER)
+        writer.writerows(rows)
 
 
 def fetch(scene, program, environment, folder):
@@ -80,10 +89,6 @@ def fetch(scene, program, environment, folder):
                 shutil.copyfileobj(file, out)
         else:
             print(f"making the state of {scene}", flush=True)
-            rows = make(scene, program, environment, folder)
-            with open(path + ".part", "w", encoding="ascii", newline="") as out:
-                writer = csv.writer(out, lineterminator="\n")
-                writer.writerow(HEADER)
-                writer.writerows(rows)
+            write(make(scene, program, environment, folder), path + ".part")
         os.rename(path + ".part", path)
     return path, source is not None
