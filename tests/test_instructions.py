@@ -121,14 +121,9 @@ def judge(stored, found, bound):
     return wrong
 
 
-def compare(now):
-    with open(STORED, encoding="ascii") as file:
-        stored = json.load(file)
+def compare(stored, now):
     if now["kernels"] != stored["kernels"]:
         print(f"the figures are those of the kernels {stored['kernels']}; under valgrind calx picks {now['kernels']} here")
-        return SKIPPED
-    if now["compiler"].split()[0] != stored["compiler"].split()[0]:
-        print(f"the figures are those of {stored['compiler']}; this build is by {now['compiler']}: nothing to compare")
         return SKIPPED
     bound = BOUND
     for what in ("compiler", "libc", "valgrind"):
@@ -150,9 +145,14 @@ def main():
     if not shutil.which("valgrind"):
         print("valgrind is not installed: no instructions counted")
         return 1 if store else SKIPPED
-    now = measure()
     if not store:
-        return compare(now)
+        with open(STORED, encoding="ascii") as file:
+            stored = json.load(file)
+        if COMPILER.split()[0] != stored["compiler"].split()[0]:
+            print(f"the figures are those of {stored['compiler']}; this build is by {COMPILER}: nothing to compare")
+            return SKIPPED
+        return compare(stored, measure())
+    now = measure()
     with open(STORED, "w", encoding="ascii") as file:
         json.dump(now, file, indent=1)
         file.write("\n")
