@@ -12,7 +12,7 @@
 
 /* What does not change within a batch. */
 struct constants {
-    double lag, growth; /* s: of the velocities; by which the sum of levers grows per normal velocity until now */
+    double lag; /* s: of the velocities; the sum of levers grows by lag times the normal velocity until now */
     double gap, diameter;
     bool centred;       /* the contact point is at the middle of the overlap; else the levers are the radii */
 };
@@ -22,7 +22,7 @@ static struct constants constants_of(const struct calx_block_view *b)
     const struct calx_plan *p = b->s->plan;
     bool centred = !p->models->lever_full;
     double lag = centred ? b->s->lag : 0.0;
-    return (struct constants){.lag = lag, .growth = lag, .gap = p->gap,
+    return (struct constants){.lag = lag, .gap = p->gap,
                               .diameter = 2.0 * b->s->radius_max, .centred = centred};
 }
 
@@ -171,7 +171,7 @@ CALX_INLINE void gather_speeds(const struct calx_block_view *b, struct calx_colu
             continue;
         calx_v8 m[3] = {n[0], n[1], n[2]}, w[3] = {{0}}, vt[3];
         if (rotation) {
-            calx_v8 half = 0.5 * (calx_v8_load(c->levers + lane) - k.growth * vn);
+            calx_v8 half = 0.5 * (calx_v8_load(c->levers + lane) - k.lag * vn);
             for (int q = 0; q < 3; q++)
                 w[q] = half * v[4 + q];
             if (!one_size)

@@ -25,18 +25,6 @@ static inline calx_v4 calx_v4_load(const double *p)
     return v;
 }
 
-static inline calx_v4 calx_v4_load_unaligned(const double *p)
-{
-    calx_v4 v;
-    memcpy(&v, p, sizeof v);
-    return v;
-}
-
-static inline void calx_v4_store_unaligned(double *p, calx_v4 v)
-{
-    memcpy(p, &v, sizeof v);
-}
-
 static inline void calx_v4_store(double *p, calx_v4 v)
 {
     memcpy(__builtin_assume_aligned(p, 32), &v, sizeof v);
