@@ -65,53 +65,47 @@ CALX_INLINE void combine(const double *v, const uint32_t *i, const uint32_t *j, 
     calx_transpose8(c);
 }
 
-/* The bits of touch; those of lanes that do not exist are 0. */
-static inline void note_touch(const struct calx_block_view *b, struct calx_columns *c, size_t lane, unsigned now)
+/* Turns the vectors of history, whose first columns are `vectors`, with the normal; turn: half the step over the distance. */
+CALX_INLINE void turn_history(struct calx_columns *c, size_t lane, const size_t *vectors, size_t count, const calx_v8 n[3],
+                              const calx_v8 u[3], calx_v8 un, calx_v8 turn)
 {
-    uint8_t *bits = b->s->pairs.touching + (b->first + lane) / 8;
-    c->was[lane / 8] = *bits;
-    c->is[lane / 8] = (uint8_t)now;
-    if (!b->look && !b->s->trial)
-        *bits = (uint8_t)now;
+    calx_v8 between[3] = {n[0], n[1], n[2]}, q = turn * un;
+    calx_lanes_add(between, -turn, u);
+    for (size_t k = 0; k < count; k++) {
+        double *const *column = c->history + vectors[k];
+        calx_v8 h[3];
+        for (int axis = 0; axis < 3; axis++)
+            h[axis] = calx_v8_load(column[axis] + lane);
+        calx_lanes_turn(n, between, q, h);
+        for (int axis = 0; axis < 3; axis++)
+            calx_v8_store(column[axis] + lane, h[axis]);
+    }
 }
 
-/* Turns the vectors of history with the normal. */
-static void turn_history(const struct calx_block_view *b, struct calx_columns *c)
+static size_t list_vectors(const struct calx_plan *p, size_t vectors[CALX_HISTORY_MAX])
 {
-    const struct calx_plan *p = b->s->plan;
-    for (size_t lane = 0; lane < c->n; lane += 8) {
-        calx_v8 n[3], u[3], between[3], turn = 0.5 * b->dt * calx_v8_load(c->inverse + lane);
-        load3(c->normal, lane, n);
-        load3(c->velocity, lane, u);
-        for (int k = 0; k < 3; k++)
-            between[k] = n[k];
-        calx_lanes_add(between, -turn, u);
-        calx_v8 q = turn * calx_lanes_dot(n, u);
-        for (size_t h = 0; h < p->history; h++) {
-            if (!p->history_is_vector[h])
-                continue;
-            calx_v8 v[3];
-            for (int k = 0; k < 3; k++)
-                v[k] = calx_v8_load(c->history[h + k] + lane);
-            calx_lanes_turn(n, between, q, v);
-            for (int k = 0; k < 3; k++)
-                calx_v8_store(c->history[h + k] + lane, v[k]);
-        }
-    }
+    size_t count = 0;
+    for (size_t h = 0; h < p->history; h++)
+        if (p->history_is_vector[h])
+            vectors[count++] = h;
+    return count;
 }
 
 /* From the rows of places: normal, overlap, distance, levers, and which pairs touch. */
 CALX_INLINE void gather_places(const struct calx_block_view *b, struct calx_columns *c, const bool one_size)
 {
     const struct constants k = constants_of(b);
-    const bool curved = b->s->plan->needs & CALX_NEEDS_CURVATURE || b->look;
+    const bool curved = b->s->plan->needs & CALX_NEEDS_CURVATURE || b->look, keep = !b->look && !b->s->trial;
     const calx_v8 one = (calx_v8){0} + 1.0;
-    for (size_t lane = 0; lane < c->n; lane += 8) {
-        const uint32_t *i = b->i + lane, *j = b->j + lane;
+    const double *x = b->x;
+    const uint32_t *i = b->i, *j = b->j;
+    uint8_t *touching = b->s->pairs.touching + b->first / 8; /* bits; those of lanes that do not exist are 0 */
+    const size_t count = c->n;
+    for (size_t lane = 0; lane < count; lane += 8) {
         calx_v8 d[4], n[3], ri = 0.5 * k.diameter * one, excess = {0}, reach = k.diameter * one;
-        subtract(b->x, 4, i, j, d);
+        subtract(x, 4, i + lane, j + lane, d);
         if (!one_size) {
-            ri = pick(b->x, 4, i, 3);
+            ri = pick(x, 4, i + lane, 3);
             excess = d[3];
             reach = 2.0 * ri - excess;
             calx_v8_store(c->excess + lane, excess);
@@ -123,11 +117,15 @@ CALX_INLINE void gather_places(const struct calx_block_view *b, struct calx_colu
         n[2] = d[2] * inverse;
         calx_v8 overlap = reach - distance;
         unsigned exist = 0xff;
-        if (lane + 8 > c->n) {
-            overlap = calx_v8_first(overlap, c->n - lane);
-            exist >>= lane + 8 - c->n;
+        if (lane + 8 > count) {
+            overlap = calx_v8_first(overlap, count - lane);
+            exist >>= lane + 8 - count;
         }
-        note_touch(b, c, lane, calx_v8_less((calx_v8){0} - k.gap, overlap) & exist);
+        uint8_t touch = (uint8_t)(calx_v8_less((calx_v8){0} - k.gap, overlap) & exist);
+        c->was[lane / 8] = touching[lane / 8];
+        c->is[lane / 8] = touch;
+        if (keep)
+            touching[lane / 8] = touch;
         calx_v8_store(c->overlap + lane, overlap);
         store3(c->normal, lane, n);
         calx_v8_store(c->inverse + lane, inverse);
@@ -141,21 +139,24 @@ CALX_INLINE void gather_places(const struct calx_block_view *b, struct calx_colu
 
 /* From the rows of velocities and, if the scene has it, spin: relative velocities, effective mass, difference of temperatures. */
 CALX_INLINE void gather_speeds(const struct calx_block_view *b, struct calx_columns *c, const bool wide, const bool rotation,
-                               const bool one_size)
+                               const bool one_size, const bool spin)
 {
     const struct constants k = constants_of(b);
-    const uint32_t needs = b->s->plan->needs;
-    for (size_t lane = 0; lane < c->n; lane += 8) {
-        const uint32_t *i = b->i + lane, *j = b->j + lane;
+    const bool tangent = b->s->plan->needs & CALX_NEEDS_TANGENT, conduct = b->conduct;
+    const double *rows = b->v;
+    const uint32_t *i = b->i, *j = b->j;
+    const size_t count = c->n;
+    size_t vectors[CALX_HISTORY_MAX], vector_count = list_vectors(b->s->plan, vectors);
+    for (size_t lane = 0; lane < count; lane += 8) {
         calx_v8 v[8], e[4], n[3], zero = {0}, one = zero + 1.0;
         if (wide)
-            combine(b->v, i, j, v);
+            combine(rows, i + lane, j + lane, v);
         else {
-            subtract(b->v, 4, i, j, v);
-            v[3] = pick(b->v, 4, i, 3) + pick(b->v, 4, j, 3);
+            subtract(rows, 4, i + lane, j + lane, v);
+            v[3] = pick(rows, 4, i + lane, 3) + pick(rows, 4, j + lane, 3);
         }
-        if (rotation && (!one_size || needs & CALX_NEEDS_SPIN))
-            subtract(b->v + 4, 8, i, j, e);
+        if (rotation && (!one_size || spin))
+            subtract(rows + 4, 8, i + lane, j + lane, e);
         load3(c->normal, lane, n);
         calx_v8 un = calx_lanes_dot(n, v), u2 = zero, tilt = zero, vn = un;
         if (k.centred) {
@@ -165,9 +166,9 @@ CALX_INLINE void gather_speeds(const struct calx_block_view *b, struct calx_colu
         }
         calx_v8_store(c->vn + lane, vn);
         calx_v8_store(c->mass + lane, calx_v8_positive(v[3], 1.0 / calx_v8_positive(v[3], v[3], one), zero));
-        if (wide && b->conduct)
+        if (wide && conduct)
             calx_v8_store(c->warmth + lane, v[7]);
-        if (!(needs & CALX_NEEDS_TANGENT))
+        if (!tangent)
             continue;
         calx_v8 m[3] = {n[0], n[1], n[2]}, w[3] = {{0}}, vt[3];
         if (rotation) {
@@ -176,7 +177,7 @@ CALX_INLINE void gather_speeds(const struct calx_block_view *b, struct calx_colu
                 w[q] = half * v[4 + q];
             if (!one_size)
                 calx_lanes_add(w, 0.5 * calx_v8_load(c->excess + lane), e);
-            if (needs & CALX_NEEDS_SPIN)
+            if (spin)
                 store3(c->spin, lane, e);
         }
         if (k.centred)
@@ -185,17 +186,15 @@ CALX_INLINE void gather_speeds(const struct calx_block_view *b, struct calx_colu
         if (k.centred)
             calx_lanes_lay(n, vt);
         store3(c->vt, lane, vt);
-        store3(c->velocity, lane, v);
+        turn_history(c, lane, vectors, vector_count, n, v, un, 0.5 * b->dt * calx_v8_load(c->inverse + lane));
     }
 }
 
 CALX_INLINE void gather(const struct calx_block_view *b, struct calx_columns *c, const bool wide, const bool rotation,
-                        const bool one_size)
+                        const bool one_size, const bool spin)
 {
     gather_places(b, c, one_size);
-    gather_speeds(b, c, wide, rotation, one_size);
-    if (b->s->plan->needs & CALX_NEEDS_TANGENT)
-        turn_history(b, c);
+    gather_speeds(b, c, wide, rotation, one_size, spin);
 }
 
 /* Of both bodies, for laws that ask for them. */
@@ -207,17 +206,20 @@ static void gather_temperatures(const struct calx_block_view *b, struct calx_col
     }
 }
 
-static void gather_narrow(const struct calx_block_view *b, struct calx_columns *c) { gather(b, c, false, false, false); }
-static void gather_narrow_one(const struct calx_block_view *b, struct calx_columns *c) { gather(b, c, false, false, true); }
-static void gather_wide(const struct calx_block_view *b, struct calx_columns *c) { gather(b, c, true, false, false); }
-static void gather_wide_one(const struct calx_block_view *b, struct calx_columns *c) { gather(b, c, true, false, true); }
-static void gather_spins(const struct calx_block_view *b, struct calx_columns *c) { gather(b, c, true, true, false); }
-static void gather_spins_one(const struct calx_block_view *b, struct calx_columns *c) { gather(b, c, true, true, true); }
+#define CALX_VARIANT(name, ...) \
+    static void name(const struct calx_block_view *b, struct calx_columns *c) { gather(b, c, __VA_ARGS__); }
+CALX_VARIANT(narrow, false, false, false, false)
+CALX_VARIANT(narrow_one, false, false, true, false)
+CALX_VARIANT(wide, true, false, false, false)
+CALX_VARIANT(wide_one, true, false, true, false)
+CALX_VARIANT(turning, true, true, false, false)
+CALX_VARIANT(turning_one, true, true, true, false)
+CALX_VARIANT(spinning, true, true, false, true)
+CALX_VARIANT(spinning_one, true, true, true, true)
 
-/* By: second half of the rows, rotation, one size. */
-static void (*const variants[2][2][2])(const struct calx_block_view *, struct calx_columns *) = {
-    {{gather_narrow, gather_narrow_one}, {NULL, NULL}},
-    {{gather_wide, gather_wide_one}, {gather_spins, gather_spins_one}}};
+/* By what the rows and laws have, each with what came before: second half of the rows, rotation, relative spin; and by one size. */
+static void (*const variants[4][2])(const struct calx_block_view *, struct calx_columns *) = {
+    {narrow, narrow_one}, {wide, wide_one}, {turning, turning_one}, {spinning, spinning_one}};
 
 /* History in place, or a copy of it for trials and whoever only looks. */
 static void point_at_history(const struct calx_block_view *b, struct calx_columns *c)
@@ -234,9 +236,10 @@ static void point_at_history(const struct calx_block_view *b, struct calx_column
 void CALX_ISA(calx_gather_batch)(const struct calx_block_view *b, struct calx_columns *c)
 {
     const struct calx_sim *s = b->s;
-    bool wide = s->r.stride == 8, rotation = s->plan->needs & CALX_NEEDS_ROTATION;
+    const uint32_t needs = s->plan->needs;
+    int kind = !(needs & CALX_NEEDS_ROTATION) ? s->r.stride == 8 : needs & CALX_NEEDS_SPIN ? 3 : 2;
     point_at_history(b, c);
-    variants[wide][rotation][s->radius_min == s->radius_max](b, c);
-    if (s->plan->needs & CALX_NEEDS_TEMPERATURE || (b->sink && s->features.temperature))
+    variants[kind][s->radius_min == s->radius_max](b, c);
+    if (needs & CALX_NEEDS_TEMPERATURE || (b->sink && s->features.temperature))
         gather_temperatures(b, c);
 }

@@ -78,33 +78,56 @@ static void scatter_narrow(const struct calx_block_view *b, const struct calx_co
     }
 }
 
-CALX_INLINE void add(const double *row_of_a, calx_v8 row)
+CALX_INLINE void add(double *a, uint32_t place, calx_v8 row)
 {
-    double *to = (double *)row_of_a;
+    double *to = (double *)calx_place_row(a, 8, place);
     calx_v8_store(to, calx_v8_load(to) + row);
 }
 
-/* Bodies of one size, no couple of their own, heat that goes from one to the other: one set of rows serves both. */
-static void scatter_mirror(const struct calx_block_view *b, const struct calx_columns *c, const struct flows *f)
+/* Row k to body i of pair k, and with some signs changed to body j. */
+CALX_INLINE void add_mirrored(double *a, const uint32_t *i, const uint32_t *j, const calx_v8 row[8], size_t count)
 {
     static const calx_v8 minus = {-0.0, -0.0, -0.0, 0.0, 0.0, 0.0, 0.0, -0.0};
-    bool tangent = b->s->plan->needs & CALX_NEEDS_TANGENT, rotation = b->s->plan->needs & CALX_NEEDS_ROTATION;
-    for (size_t lane = 0; lane < c->n; lane += 8) {
+    for (size_t k = 0; k < count; k++) {
+        add(a, i[k], row[k]);
+        add(a, j[k], calx_v8_flip(row[k], minus));
+    }
+}
+
+/* Bodies of one size, no couple of their own, heat that goes from one to the other: one set of rows serves both. */
+CALX_INLINE void scatter_mirror(const struct calx_block_view *b, const struct calx_columns *c, const struct flows *f, const bool tangent,
+                               const bool rotation, const bool conduct)
+{
+    const uint32_t *i = b->i, *j = b->j;
+    double *a = b->a;
+    const size_t n = c->n;
+    for (size_t lane = 0; lane < n; lane += 8) {
         calx_v8 row[8] = {{0}}, twist[3];
-        size_t end = c->n - lane < 8 ? c->n - lane : 8;
         forces(c, lane, tangent, row, twist);
         if (rotation) {
             calx_v8 lever = -0.5 * calx_v8_load(c->levers + lane);
             for (int k = 0; k < 3; k++)
                 row[4 + k] = lever * twist[k];
         }
-        row[7] = heat_into(c, lane, f, 0);
+        if (conduct)
+            row[7] = heat_into(c, lane, f, 0);
         calx_transpose8(row);
-        for (size_t k = 0; k < end; k++) {
-            add(calx_place_row(b->a, 8, b->i[lane + k]), row[k]);
-            add(calx_place_row(b->a, 8, b->j[lane + k]), calx_v8_flip(row[k], minus));
-        }
+        if (n - lane >= 8)
+            add_mirrored(a, i + lane, j + lane, row, 8);
+        else
+            add_mirrored(a, i + lane, j + lane, row, n - lane);
     }
+}
+
+static void scatter_mirror_spins(const struct calx_block_view *b, const struct calx_columns *c, const struct flows *f)
+{
+    scatter_mirror(b, c, f, true, true, false);
+}
+
+static void scatter_mirror_any(const struct calx_block_view *b, const struct calx_columns *c, const struct flows *f)
+{
+    uint32_t needs = b->s->plan->needs;
+    scatter_mirror(b, c, f, needs & CALX_NEEDS_TANGENT, needs & CALX_NEEDS_ROTATION, f->conduct);
 }
 
 static void scatter_both(const struct calx_block_view *b, const struct calx_columns *c, const struct flows *f)
@@ -132,7 +155,7 @@ static void scatter_both(const struct calx_block_view *b, const struct calx_colu
             calx_transpose8(row);
             const uint32_t *to = (body ? b->j : b->i) + lane;
             for (size_t k = 0; k < end; k++)
-                add(calx_place_row(b->a, 8, to[k]), row[k]);
+                add(b->a, to[k], row[k]);
         }
     }
 }
@@ -193,12 +216,15 @@ static void forget_parted(const struct calx_block_view *b, struct calx_columns *
 
 void CALX_ISA(calx_scatter_batch)(const struct calx_block_view *b, struct calx_columns *c)
 {
+    const uint32_t needs = b->s->plan->needs;
     struct flows f = flows_of(b);
     forget_parted(b, c);
     if (b->s->r.stride == 4)
         scatter_narrow(b, c);
+    else if (f.mirror && needs & CALX_NEEDS_ROTATION && !f.conduct)
+        scatter_mirror_spins(b, c, &f);
     else if (f.mirror)
-        scatter_mirror(b, c, &f);
+        scatter_mirror_any(b, c, &f);
     else
         scatter_both(b, c, &f);
     tally(b, c);
