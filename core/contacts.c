@@ -31,38 +31,52 @@ static void fetch_block(const struct calx_sim *s, const struct calx_row_block *b
 
 enum { AHEAD = 12 }; /* ghosts whose sources are fetched in advance */
 
-/* A ghost goes where its source is, or that image of it. */
-static inline void refresh_place(struct calx_sim *s, int32_t row)
+/* By how much each image is shifted: x + 3 y + 9 z, each 0 to 2 for one period back, none, or one on. */
+struct images {
+    calx_v4 shift[27];
+};
+
+static void find_images(const struct calx_sim *s, struct images *m)
 {
     const struct calx_scene *scene = s->scene;
-    calx_v4 at = calx_v4_load(calx_row_x(s, s->r.source[row]));
-    if (s->r.shift) {
-        int shift = s->r.shift[row];
-        at[0] += (shift % 3 - 1) * (scene->high[0] - scene->low[0]);
-        at[1] += (shift / 3 % 3 - 1) * (scene->high[1] - scene->low[1]);
-        at[2] += (shift / 9 - 1) * (scene->high[2] - scene->low[2]);
+    for (int k = 0; s->r.shift && k < 27; k++) {
+        const int turns[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
+        m->shift[k] = (calx_v4){0};
+        for (int axis = 0; axis < 3; axis++)
+            m->shift[k][axis] = turns[axis] ? turns[axis] * (scene->high[axis] - scene->low[axis]) : 0.0;
     }
-    calx_v4_store(calx_row_x(s, row), at);
+}
+
+/* A ghost goes where its source is, or that image of it. */
+static inline void refresh_place(struct calx_sim *s, const struct images *m, int32_t row)
+{
+    calx_v4 at = calx_v4_load(calx_row_x(s, s->r.source[row]));
+    calx_v4_store(calx_row_x(s, row), s->r.shift ? at + m->shift[s->r.shift[row]] : at);
 }
 
 static void refresh_places(struct calx_sim *s, const struct calx_row_block *b)
 {
+    struct images m;
+    find_images(s, &m);
     for (int32_t row = b->first + b->own; row < b->first + b->own + b->ghosts; row++)
-        refresh_place(s, row);
+        refresh_place(s, &m, row);
 }
 
 static void refresh_ghosts(struct calx_sim *s, const struct calx_row_block *b)
 {
-    int32_t end = b->first + b->own + b->ghosts;
+    const int32_t end = b->first + b->own + b->ghosts, *source = s->r.source;
+    const size_t stride = s->r.stride;
+    const double *x = s->r.x;
+    double *v = s->r.v;
+    struct images m;
+    find_images(s, &m);
     for (int32_t row = b->first + b->own; row < end; row++) {
-        int32_t ahead = s->r.source[row + AHEAD < end ? row + AHEAD : row];
-        __builtin_prefetch(calx_row_x(s, ahead));
-        __builtin_prefetch(calx_row_v(s, ahead));
-        refresh_place(s, row);
-        const double *from = calx_row_v(s, s->r.source[row]);
-        double *to = calx_row_v(s, row);
-        for (size_t lane = 0; lane < s->r.stride; lane += 4)
-            calx_v4_store(to + lane, calx_v4_load(from + lane));
+        size_t from = (size_t)source[row], ahead = (size_t)source[row + AHEAD < end ? row + AHEAD : row];
+        __builtin_prefetch(x + 4 * ahead);
+        __builtin_prefetch(v + stride * ahead);
+        refresh_place(s, &m, row);
+        for (size_t lane = 0; lane < stride; lane += 4)
+            calx_v4_store(v + stride * (size_t)row + lane, calx_v4_load(v + stride * from + lane));
     }
 }
 

@@ -11,7 +11,7 @@
 #include "core/timing.h"
 #include "core/vector.h"
 
-enum { AT_A_TIME = 64 }; /* rows */
+enum { AT_A_TIME = 64, COLLECT_AHEAD = 12 }; /* rows */
 
 /* Some rows of a block as the kernels see them: all of them, then, where they begin, a few at a time. */
 struct part {
@@ -66,12 +66,20 @@ static void run(struct part *p, size_t stage, const void *params, calx_rows_kern
 
 static double largest_speed2(const struct part *p)
 {
-    double largest = 0.0;
+    const size_t n = p->n, stride = p->translation.stride;
     const double *v = p->translation.v;
-    for (size_t i = 0; i < p->n; i++, v += p->translation.stride) {
-        double speed2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-        largest = speed2 > largest ? speed2 : largest;
+    calx_v8 most = {0};
+    double largest = 0.0;
+    for (size_t i = 0; i < n; i += 8) {
+        calx_v4 row[8];
+        calx_v8 c[4];
+        for (size_t k = 0; k < 8; k++) /* beyond the end: the last one once more */
+            row[k] = calx_v4_load(v + stride * (i + k < n ? i + k : n - 1));
+        calx_rows_to_columns(row, c);
+        most = calx_v8_max(c[0] * c[0] + c[1] * c[1] + c[2] * c[2], most);
     }
+    for (int k = 0; k < 8; k++)
+        largest = most[k] > largest ? most[k] : largest;
     return largest;
 }
 
@@ -100,6 +108,14 @@ static double before(struct part *p, size_t stage)
         return run_measured(p, stage, params, move, turn) / (p->s->dt * p->s->dt);
     run(p, stage, params, law->whole ? law->whole[stage].before : NULL, move, turn);
     return largest_speed2(p);
+}
+
+/* The kernels of two steps in one, where the last stage has that and nothing comes in between. */
+static calx_rows_kernel *between(const struct part *p, const struct calx_pass *pass)
+{
+    const struct calx_motion_integrator *law = p->s->plan->motion_law;
+    bool at_end = pass->ahead && pass->stage >= 0 && law->drifts && law->whole && p->s->features.rotation;
+    return at_end ? law->whole[pass->stage].between : NULL;
 }
 
 /* The square of the largest displacement. */
@@ -164,9 +180,15 @@ double CALX_ISA(calx_block_measure)(struct calx_sim *s, size_t block, const void
     return most;
 }
 
+/* Rows of which there are ghosts are at another processor, as are the forces on those: all of them are asked for in time. */
 static void collect_ghosts(struct calx_sim *s, const struct calx_row_block *b, double *a)
 {
-    for (size_t k = b->collect_first; k < b->collect_first + b->collect_count; k++) {
+    const size_t end = b->collect_first + b->collect_count;
+    for (size_t k = b->collect_first; k < end; k++) {
+        size_t ahead = k + COLLECT_AHEAD < end ? k + COLLECT_AHEAD : k;
+        __builtin_prefetch(calx_row_a(s, s->collect_from[ahead]));
+        __builtin_prefetch(calx_row_v(s, s->collect_to[ahead]), 1);
+        __builtin_prefetch(calx_row_x(s, s->collect_to[ahead]), 1);
         double *to = a + s->r.stride * (size_t)(s->collect_to[k] - b->first);
         const double *from = calx_row_a(s, s->collect_from[k]);
         for (size_t lane = 0; lane < s->r.stride; lane += 4)
@@ -175,21 +197,23 @@ static void collect_ghosts(struct calx_sim *s, const struct calx_row_block *b, d
 }
 
 /* Rows of eight: the second half holds torque and heat flow, which stays. Adds 0 to `finite`, or NaN. */
-static calx_v8 accelerate_full(const struct part *p, calx_v8 finite)
+static inline __attribute__((always_inline)) calx_v8 accelerate_full(const struct part *p, calx_v8 finite, const bool one_size)
 {
     static const calx_v8 linear = {1, 1, 1, 0, 0, 0, 0, 0}, angular = {0, 0, 0, 0, 1, 1, 1, 0},
                          heat = {0, 0, 0, 0, 0, 0, 0, 1};
     const struct calx_sim *s = p->s;
     const calx_v8 g = {s->gravity[0], s->gravity[1], s->gravity[2], 0, 0, 0, 0, 0};
     const double *x = s->r.x + 4 * p->first, *v = s->r.v + 8 * p->first;
-    double inertia = 1.0 / calx_particle_inertia_factor(s->scene);
-    for (size_t i = 0; i < p->n; i++) {
-        double *a = p->a + 8 * i, inverse_mass = v[8 * i + 3], radius = x[4 * i + 3];
-        double inverse_inertia = inertia * inverse_mass / (radius * radius);
-        calx_v8 scale = linear * inverse_mass + angular * inverse_inertia + heat;
-        calx_v8 result = scale * calx_v8_load(a) + (inverse_mass > 0.0 ? 1.0 : 0.0) * g;
+    const double inertia = 1.0 / calx_particle_inertia_factor(s->scene), same = inertia / (s->radius_max * s->radius_max);
+    const size_t n = p->n;
+    double *a = p->a;
+    for (size_t i = 0; i < n; i++) {
+        double inverse_mass = v[8 * i + 3], radius = x[4 * i + 3];
+        calx_v8 per_mass = linear + angular * (one_size ? same : inertia / (radius * radius));
+        calx_v8 scale = per_mass * inverse_mass + heat;
+        calx_v8 result = scale * calx_v8_load(a + 8 * i) + (inverse_mass > 0.0 ? 1.0 : 0.0) * g;
         finite += 0.0 * result;
-        calx_v8_store(a, result);
+        calx_v8_store(a + 8 * i, result);
     }
     return finite;
 }
@@ -207,6 +231,13 @@ static calx_v8 accelerate_half(const struct part *p, calx_v8 finite)
         calx_v4_store(a, result);
     }
     return finite + calx_v8_join(sum, sum);
+}
+
+static calx_v8 accelerate(const struct part *p, calx_v8 finite)
+{
+    if (p->s->r.stride == 4)
+        return accelerate_half(p, finite);
+    return p->s->radius_min == p->s->radius_max ? accelerate_full(p, finite, true) : accelerate_full(p, finite, false);
 }
 
 /* A step of the staged integrator of temperature, with the heat of dissipation that waited for it. */
@@ -241,10 +272,13 @@ void CALX_ISA(calx_block_finish)(struct calx_sim *s, size_t block, const struct 
     if (b->carried_count)
         calx_carried_take(s, block, pass, a);
     part_begin(&p, s);
+    calx_rows_kernel *both = b->carried_count ? NULL : between(&p, pass);
     for (size_t row = 0; row < (size_t)b->own; row += AT_A_TIME) {
         part_at(&p, b, row, a);
-        finite = s->r.stride == 8 ? accelerate_full(&p, finite) : accelerate_half(&p, finite);
-        if (pass->stage >= 0)
+        finite = accelerate(&p, finite);
+        if (both)
+            run(&p, (size_t)pass->stage, s->plan->motion_params, both, NULL, NULL);
+        else if (pass->stage >= 0)
             moved2 = fmax(moved2, after(&p, (size_t)pass->stage));
         if (pass->warm)
             warm(&p);
@@ -253,7 +287,7 @@ void CALX_ISA(calx_block_finish)(struct calx_sim *s, size_t block, const struct 
         if (b->carried_count)
             calx_carried_settle(s, b, p.first, p.n);
         if (pass->ahead) {
-            double speed2 = before(&p, s->plan->motion_law->start);
+            double speed2 = both ? largest_speed2(&p) : before(&p, s->plan->motion_law->start);
             largest = speed2 > largest ? speed2 : largest;
         }
     }

@@ -21,7 +21,7 @@
 #include <stdint.h>
 
 #define CALX_PLUGIN_MAGIC 0x786c6163u /* "calx" */
-#define CALX_PLUGIN_ABI 2u
+#define CALX_PLUGIN_ABI 3u
 #define CALX_PLUGIN_SYMBOL "calx_plugin"
 
 /* Columns of a batch hold a whole number of groups of CALX_WIDTH doubles and are aligned to 64 bytes. */
@@ -245,6 +245,8 @@ typedef void calx_rows_kernel(const void *params, const struct calx_rows *);
 struct calx_stage {
     calx_rows_kernel *before; /* may be NULL */
     calx_rows_kernel *after;  /* may be NULL */
+    /* Of the last stage: `after` and then `before` of a step's first stage in one, with the same bits and less time. May be NULL. */
+    calx_rows_kernel *between;
     /* Of a trial: its positions are those at t + time*dt, its velocities those of lag*dt before. The last stage has 1 and velocity_lag. */
     double time, lag;
 };

@@ -44,6 +44,23 @@ CALX_KERNEL static void drift(size_t n, size_t stride, const double *restrict dt
             x[4 * i + k] += dt[k] * v[i * stride + k];
 }
 
+/* The second half of one step's kick, the first of the next, the drift. */
+CALX_KERNEL static void kick_twice(size_t n, const double *restrict dt, double *restrict x, double *restrict v,
+                                   const double *restrict a)
+{
+    for (size_t i = 0; i < n; i++) {
+        for (size_t k = 0; k < 4; k++) {
+            double kick = 0.5 * dt[k] * a[8 * i + k], half = v[8 * i + k] + kick + kick;
+            v[8 * i + k] = half;
+            x[4 * i + k] += dt[k] * half;
+        }
+        for (size_t k = 4; k < 8; k++) {
+            double kick = 0.5 * dt[k] * a[8 * i + k];
+            v[8 * i + k] = v[8 * i + k] + kick + kick;
+        }
+    }
+}
+
 static void move(const void *params, const struct calx_rows *r)
 {
     (void)params;
@@ -69,9 +86,15 @@ static void turn_whole(const void *params, const struct calx_rows *r)
     kick_whole(r->n, r->dt, r->v, r->a);
 }
 
+static void pass_whole(const void *params, const struct calx_rows *r)
+{
+    (void)params;
+    kick_twice(r->n, r->dt, r->x, r->v, r->a);
+}
+
 static const struct calx_stage translation[] = {{.before = move, .after = turn}};
 static const struct calx_stage rotation[] = {{.before = turn, .after = turn}};
-static const struct calx_stage whole[] = {{.before = move_whole, .after = turn_whole}};
+static const struct calx_stage whole[] = {{.before = move_whole, .after = turn_whole, .between = pass_whole}};
 
 static const struct calx_motion_integrator law = {
     .order = 2,
