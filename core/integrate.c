@@ -25,11 +25,11 @@ struct part {
 static void part_begin(struct part *p, struct calx_sim *s)
 {
     double dt = s->rows_dt, across = s->scene->dimension == 3 ? dt : 0.0; /* z, and spins about x and y */
-    *p = (struct part){.s = s,
-        .translation = {.size = sizeof(struct calx_rows), .stride = s->r.stride,
-                        .dt = {dt, dt, across, 0.0, across, across, dt, 0.0}, .extra = p->extra},
-        .rotation = {.size = sizeof(struct calx_rows), .stride = s->r.stride, .dt = {across, across, dt, 0.0},
-                     .extra = p->extra + CALX_EXTRA_MAX}};
+    p->s = s;
+    p->translation = (struct calx_rows){.size = sizeof(struct calx_rows), .stride = s->r.stride,
+                                        .dt = {dt, dt, across, 0.0, across, across, dt, 0.0}, .extra = p->extra};
+    p->rotation = (struct calx_rows){.size = sizeof(struct calx_rows), .stride = s->r.stride, .dt = {across, across, dt, 0.0},
+                                     .extra = p->extra + CALX_EXTRA_MAX};
 }
 
 /* The rows of block b from `row` on, counted from its first; a: accelerations of the block. */

@@ -37,11 +37,15 @@ struct wall_batch {
     bool look; /* nothing may change: energy or sink */
     size_t type; /* pair of materials of the lanes */
     size_t next; /* contacts of the block so far */
-    int wall[CALX_BATCH];
-    double point_velocity[CALX_BATCH][3];
-    int32_t row[CALX_BATCH];
-    size_t slot[CALX_BATCH]; /* where its history goes */
-    double share[CALX_BATCH];
+    struct lane *lane;
+};
+
+/* Of each lane: what the columns do not say. */
+struct lane {
+    int wall;
+    int32_t row;
+    size_t slot; /* where its history goes */
+    double point_velocity[3], share;
 };
 
 /* Whether point p lies on the segment, to rounding. */
@@ -131,7 +135,7 @@ static void fill_lane(struct wall_batch *w, int32_t row, const struct candidate 
     const double *x = calx_row_x(s, row), *v = calx_row_v(s, row);
     int wall = s->posed[k->primitive].wall;
     const struct calx_pose *pose = &s->poses[wall];
-    double past[3], *now = w->point_velocity[lane];
+    double past[3], *now = w->lane[lane].point_velocity;
     calx_surface_velocity(pose->speed, pose->spin, k->touch.point, now);
     calx_surface_past_velocity(pose, k->touch.point, v, past);
     const double *seen = w->dt != 0.0 ? past : now; /* as the grains' own velocities */
@@ -150,15 +154,15 @@ static void fill_lane(struct wall_batch *w, int32_t row, const struct candidate 
     if (s->features.temperature) {
         c->temperature[0][lane] = v[7];
         c->temperature[1][lane] = s->scene->walls[wall].isothermal ? s->wall_temperature[wall] : v[7];
-        w->share[lane] = wall_share(s, wall, (size_t)s->r.material[row]);
+        w->lane[lane].share = wall_share(s, wall, (size_t)s->r.material[row]);
     }
-    w->wall[lane] = wall;
-    w->row[lane] = row;
+    w->lane[lane].wall = wall;
+    w->lane[lane].row = row;
 }
 
 static double *row_a(const struct wall_batch *w, size_t lane)
 {
-    return w->a + w->s->r.stride * (size_t)(w->row[lane] - w->block->first);
+    return w->a + w->s->r.stride * (size_t)(w->lane[lane].row - w->block->first);
 }
 
 static void add_wall_force(struct wall_batch *w, size_t lane)
@@ -166,10 +170,10 @@ static void add_wall_force(struct wall_batch *w, size_t lane)
     struct calx_sim *s = w->s;
     struct calx_columns *c = w->c;
     size_t block = (size_t)(w->block - s->blocks);
-    double *total = s->block_wall_force[block * s->scene->wall_count + (size_t)w->wall[lane]];
+    double *total = s->block_wall_force[block * s->scene->wall_count + (size_t)w->lane[lane].wall];
     for (int k = 0; k < 3; k++) {
         total[k] -= c->force[k][lane];
-        w->tally->wall_power += c->force[k][lane] * w->point_velocity[lane][k];
+        w->tally->wall_power += c->force[k][lane] * w->lane[lane].point_velocity[k];
     }
 }
 
@@ -177,13 +181,13 @@ static void add_conduction(struct wall_batch *w, size_t lane)
 {
     struct calx_sim *s = w->s;
     struct calx_columns *c = w->c;
-    int wall = w->wall[lane];
+    int wall = w->lane[lane].wall;
     double h = c->conductance[lane];
     if (!s->scene->walls[wall].isothermal)
         return;
     if (s->plan->global_heat) {
         size_t e = w->block->near_first + w->tally->boundaries++;
-        s->boundary_i[e] = w->row[lane];
+        s->boundary_i[e] = w->lane[lane].row;
         s->boundary_h[e] = h;
         s->boundary_t[e] = s->wall_temperature[wall];
         return;
@@ -210,15 +214,15 @@ static void add_lane(struct wall_batch *w, size_t lane)
     if (w->conduct)
         add_conduction(w, lane);
     if (s->features.temperature && s->scene->from_dissipation > 0.0 && w->dt > 0.0 && !s->trial) {
-        a[7] += w->share[lane] * c->work[lane] / (w->conduct ? s->heat_dt : w->dt);
-        w->tally->wall_heat_lost += (s->scene->from_dissipation - w->share[lane]) * c->work[lane];
+        a[7] += w->lane[lane].share * c->work[lane] / (w->conduct ? s->heat_dt : w->dt);
+        w->tally->wall_heat_lost += (s->scene->from_dissipation - w->lane[lane].share) * c->work[lane];
     }
     w->tally->work += c->work[lane];
     w->tally->wall_contacts += c->overlap[lane] > 0.0;
     if (depth > w->tally->overlap) {
         w->tally->overlap = depth;
-        w->tally->overlap_rows[0] = w->row[lane];
-        w->tally->overlap_rows[1] = -1 - w->wall[lane];
+        w->tally->overlap_rows[0] = w->lane[lane].row;
+        w->tally->overlap_rows[1] = -1 - w->lane[lane].wall;
     }
 }
 
@@ -242,10 +246,10 @@ static void flush(struct wall_batch *w)
     CALX_ISA(calx_evaluate_force)(s->plan, c);
     for (size_t lane = 0; lane < c->n; lane++) {
         if (w->sink) {
-            w->sink->take(w->sink->context, c, lane, w->row[lane], -1 - w->wall[lane]);
+            w->sink->take(w->sink->context, c, lane, w->lane[lane].row, -1 - w->lane[lane].wall);
             continue;
         }
-        size_t slot = w->slot[lane];
+        size_t slot = w->lane[lane].slot;
         add_lane(w, lane);
         for (size_t h = 0; h < columns && slot != NOWHERE; h++)
             s->wall_history_next[columns * slot + h] = c->history[h][lane];
@@ -282,7 +286,7 @@ static void push(struct wall_batch *w, int32_t row, const struct candidate *k, p
     if (c->n == CALX_BATCH || (c->n && type != w->type))
         flush(w);
     w->type = type;
-    w->slot[c->n] = slot;
+    w->lane[c->n].slot = slot;
     for (size_t h = 0; h < columns; h++)
         c->history[h][c->n] = old >= 0 ? s->wall_history[columns * (size_t)old + h] : 0.0;
     note_touch(c, old >= 0, slot != NOWHERE);
@@ -334,7 +338,8 @@ void CALX_ISA(calx_wall_contacts)(struct calx_sim *s, size_t block, double dt, b
                                   struct calx_columns *c, double *energy, const struct calx_sink *sink)
 {
     struct calx_row_block *b = &s->blocks[block];
-    struct wall_batch w = {.s = s, .block = b, .tally = &s->tallies[block], .c = c, .a = a, .dt = dt,
+    struct lane lanes[CALX_BATCH];
+    struct wall_batch w = {.s = s, .lane = lanes, .block = b, .tally = &s->tallies[block], .c = c, .a = a, .dt = dt,
                            .conduct = conduct, .energy = energy, .sink = sink,
                            .look = energy || sink};
     struct candidate list[NEAR_MAX];
