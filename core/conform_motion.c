@@ -347,6 +347,39 @@ static void check_whole(const struct calx_choice *c, struct calx_conformance *re
         calx_conform_note(report, "whole rows are the same as their halves", (double)differ, 0, c->where);
 }
 
+/* A kernel for the end of one step and the start of the next leaves the bits that the two leave. */
+static void check_between(const struct calx_choice *c, struct calx_conformance *report)
+{
+    const struct calx_motion_integrator *m = &c->motion;
+    const struct calx_stage *tables[2] = {m->translation, m->whole};
+    size_t differ = 0, found = 0;
+    for (int whole = 0; whole < 2 && m->stages; whole++) {
+        const struct calx_stage *first = tables[whole] ? &tables[whole][m->start] : NULL;
+        const struct calx_stage *last = first ? first + m->stages - 1 : NULL;
+        struct calx_oscillators s[2];
+        if (!last || !last->between)
+            continue;
+        found++;
+        for (int at_once = 0; at_once < 2; at_once++) {
+            calx_oscillators_begin(&s[at_once], BODIES, 8, 0.05, false);
+            for (size_t i = 0; i < 8 * BODIES; i++) {
+                s[at_once].v[i] = sin(1.0 + (double)i);
+                s[at_once].a[i] = cos(2.0 + (double)i);
+            }
+            for (size_t k = 4; k < 8 && whole; k++)
+                s[at_once].r.dt[k] = s[at_once].r.dt[0];
+            s[at_once].r.stage = at_once ? (size_t)(last - tables[whole]) : s[at_once].r.stage;
+        }
+        run_kernel(c, last->after, &s[0].r);
+        run_kernel(c, first->before, &s[0].r);
+        run_kernel(c, last->between, &s[1].r);
+        for (size_t i = 0; i < 8 * BODIES; i++)
+            differ += s[0].v[i] != s[1].v[i] || s[0].x[i / 2] != s[1].x[i / 2];
+    }
+    if (found)
+        calx_conform_note(report, "two steps' kernels in one are the same", (double)differ, 0, c->where);
+}
+
 /* The descriptor, which catalogues show, says what the defaults give. */
 static void check_descriptor(const struct calx_choice *c, struct calx_conformance *report)
 {
@@ -381,6 +414,7 @@ void calx_conform_motion(struct calx_choice *c, struct calx_conformance *report)
     if (m->resolves_contacts)
         check_kick(c, report);
     check_whole(c, report);
+    check_between(c, report);
     check_reversible(c, report);
     check_shift(c, report);
     for (int spins = 0; spins < 2; spins++) {

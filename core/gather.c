@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * From rows to the columns of a batch: eight pairs at a time, the rows of their bodies are subtracted or added and turned into columns, from
- * which follow normal, overlap and velocities; history is turned with the normal where it is stored. Three short passes: in one long one the
+ * which follow normal, overlap and velocities; history is turned with the normal where it is stored. Two passes: in one long one the
  * processor would wait for roots and quotients, because it looks no further ahead than one group of eight. Variants, chosen by what the
  * scene has: rows with or without a second half, with or without rotation, bodies of one or of several sizes.
  */

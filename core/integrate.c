@@ -64,7 +64,7 @@ static void run(struct part *p, size_t stage, const void *params, calx_rows_kern
         rotation(params, &p->rotation);
 }
 
-static double largest_speed2(const struct part *p)
+static inline double largest_speed2(const struct part *p)
 {
     const size_t n = p->n, stride = p->translation.stride;
     const double *v = p->translation.v;
@@ -114,8 +114,11 @@ static double before(struct part *p, size_t stage)
 static calx_rows_kernel *between(const struct part *p, const struct calx_pass *pass)
 {
     const struct calx_motion_integrator *law = p->s->plan->motion_law;
-    bool at_end = pass->ahead && pass->stage >= 0 && law->drifts && law->whole && p->s->features.rotation;
-    return at_end ? law->whole[pass->stage].between : NULL;
+    if (!pass->ahead || pass->stage < 0 || !law->drifts)
+        return NULL;
+    if (!p->s->features.rotation)
+        return law->translation[pass->stage].between;
+    return law->whole ? law->whole[pass->stage].between : NULL;
 }
 
 /* The square of the largest displacement. */
@@ -277,7 +280,7 @@ void CALX_ISA(calx_block_finish)(struct calx_sim *s, size_t block, const struct 
         part_at(&p, b, row, a);
         finite = accelerate(&p, finite);
         if (both)
-            run(&p, (size_t)pass->stage, s->plan->motion_params, both, NULL, NULL);
+            both(s->plan->motion_params, &p.translation);
         else if (pass->stage >= 0)
             moved2 = fmax(moved2, after(&p, (size_t)pass->stage));
         if (pass->warm)

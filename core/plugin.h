@@ -245,7 +245,8 @@ typedef void calx_rows_kernel(const void *params, const struct calx_rows *);
 struct calx_stage {
     calx_rows_kernel *before; /* may be NULL */
     calx_rows_kernel *after;  /* may be NULL */
-    /* Of the last stage: `after` and then `before` of a step's first stage in one, with the same bits and less time. May be NULL. */
+    /* Of the last stage, in the tables of translation and of whole rows: `after` and then `before` of a step's first stage in one, with the
+     * same bits and less time. May be NULL. */
     calx_rows_kernel *between;
     /* Of a trial: its positions are those at t + time*dt, its velocities those of lag*dt before. The last stage has 1 and velocity_lag. */
     double time, lag;

@@ -189,6 +189,13 @@ static double displacement(const struct calx_primitive *a, const struct calx_pri
     return a->shape == CALX_SPHERE ? d : d + reach * distance(a->n, b->n);
 }
 
+static void stop(struct calx_pose *p)
+{
+    p->ago = 0.0;
+    for (int k = 0; k < 3; k++)
+        p->speed[k] = p->spin[k] = p->past_speed[k] = p->past_spin[k] = 0.0;
+}
+
 void calx_walls_move(struct calx_sim *s, double t, double dt)
 {
     static const double nowhere[3];
@@ -198,10 +205,7 @@ void calx_walls_move(struct calx_sim *s, double t, double dt)
         if (s->features.temperature && s->scene->walls[w].isothermal)
             s->wall_temperature[w] = calx_evaluate(&stage->wall_temperature[w], t, nowhere);
         if (!stage->motion[w].moves) {
-            struct calx_pose rest = {.ago = 0.0};
-            memcpy(rest.turn, s->poses[w].turn, sizeof rest.turn);
-            memcpy(rest.shift, s->poses[w].shift, sizeof rest.shift);
-            s->poses[w] = rest;
+            stop(&s->poses[w]);
             continue;
         }
         pose_wall(s, w, &stage->motion[w], t, dt);

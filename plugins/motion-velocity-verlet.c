@@ -45,8 +45,20 @@ CALX_KERNEL static void drift(size_t n, size_t stride, const double *restrict dt
 }
 
 /* The second half of one step's kick, the first of the next, the drift. */
-CALX_KERNEL static void kick_twice(size_t n, const double *restrict dt, double *restrict x, double *restrict v,
-                                   const double *restrict a)
+CALX_KERNEL static void kick_twice(size_t n, size_t stride, const double *restrict dt, double *restrict x,
+                                   double *restrict v, const double *restrict a)
+{
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 4; k++) {
+            double kick = 0.5 * dt[k] * a[i * stride + k], half = v[i * stride + k] + kick + kick;
+            v[i * stride + k] = half;
+            x[4 * i + k] += dt[k] * half;
+        }
+}
+
+/* The same with spins. */
+CALX_KERNEL static void kick_twice_whole(size_t n, const double *restrict dt, double *restrict x,
+                                         double *restrict v, const double *restrict a)
 {
     for (size_t i = 0; i < n; i++) {
         for (size_t k = 0; k < 4; k++) {
@@ -86,13 +98,19 @@ static void turn_whole(const void *params, const struct calx_rows *r)
     kick_whole(r->n, r->dt, r->v, r->a);
 }
 
+static void pass(const void *params, const struct calx_rows *r)
+{
+    (void)params;
+    kick_twice(r->n, r->stride, r->dt, r->x, r->v, r->a);
+}
+
 static void pass_whole(const void *params, const struct calx_rows *r)
 {
     (void)params;
-    kick_twice(r->n, r->dt, r->x, r->v, r->a);
+    kick_twice_whole(r->n, r->dt, r->x, r->v, r->a);
 }
 
-static const struct calx_stage translation[] = {{.before = move, .after = turn}};
+static const struct calx_stage translation[] = {{.before = move, .after = turn, .between = pass}};
 static const struct calx_stage rotation[] = {{.before = turn, .after = turn}};
 static const struct calx_stage whole[] = {{.before = move_whole, .after = turn_whole, .between = pass_whole}};
 

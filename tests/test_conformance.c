@@ -93,6 +93,7 @@ static const struct {
     {"faulty-motion-shown", "the descriptor is that of the defaults"},
     {"faulty-motion-idle", "each evaluation is used"},
     {"faulty-motion-whole", "whole rows are the same as their halves"},
+    {"faulty-motion-between", "two steps' kernels in one are the same"},
     {"faulty-motion-kick", "an evaluation is one kick at its moment"},
     {"faulty-global-unkept", "order of motion as declared"},
     {"faulty-global-elapsed", "order of motion as declared"},

@@ -29,7 +29,8 @@ enum {
     SHOWN,
     WHOLE,
     KICK,
-    RESOLVES
+    RESOLVES,
+    BETWEEN
 };
 
 enum { HALVES = FAULT == TWO || FAULT == MOMENT ? 2 : 1 };
@@ -73,6 +74,16 @@ static void after(const void *params, const struct calx_rows *r)
         r->x[4 * i] += 1e-9 * r->dt[0];
 }
 
+/* Both half kicks rounded as one. */
+static void both(const void *params, const struct calx_rows *r)
+{
+    (void)params;
+    kick(r, 1);
+    for (size_t i = 0; i < r->n; i++)
+        for (size_t k = 0; k < 4; k++)
+            r->x[4 * i + k] += r->dt[k] * r->v[i * r->stride + k];
+}
+
 static void spin_before(const void *params, const struct calx_rows *r)
 {
     (void)params;
@@ -102,7 +113,8 @@ static const struct calx_stage translation[] = {
     {.before = before, .time = 1, .lag = 0.5},
     {.after = after},
 #else
-    {.before = before, .after = after, .time = FAULT == MOMENT ? 0.7 : 0.5, .lag = 0.25},
+    {.before = before, .after = after, .between = FAULT == BETWEEN ? both : NULL, .time = FAULT == MOMENT ? 0.7 : 0.5,
+     .lag = 0.25},
 #endif
     {.before = before, .after = after}};
 static const struct calx_stage rotation[] = {
