@@ -111,7 +111,7 @@ static const struct calx_stage translation[] = {
 #endif
 #if FAULT == 17 /* IDLE: evaluated twice at the same place */
     {.before = before, .time = 1, .lag = 0.5},
-    {.after = after},
+    {.after = after, .between = FAULT == BETWEEN ? both : NULL},
 #else
     {.before = before, .after = after, .between = FAULT == BETWEEN ? both : NULL, .time = FAULT == MOMENT ? 0.7 : 0.5,
      .lag = 0.25},
