@@ -135,11 +135,12 @@ int calx_guard_all(struct calx_sim *s, struct calx_error *e)
 
 int calx_sim_guard(struct calx_sim *s, struct calx_error *e)
 {
-    double depth = s->overlap_seen;
+    double depth = s->overlap_seen, trusted = s->trusted;
     int64_t contacts = s->contacts_seen;
     int code = calx_guard_all(s, e);
     s->overlap_seen = depth; /* who looks, and when, changes nothing */
     s->contacts_seen = contacts;
+    s->trusted = trusted;
     return code;
 }
 

@@ -250,6 +250,7 @@ struct calx_sim {
     /* guards */
     double coldest, hottest;    /* K: of the start, and of the walls since then */
     double overlap_seen;        /* of the smaller radius: the deepest when contacts were last looked at */
+    double trusted;             /* the limit of the contacts over its quick bound, as the iterations found it, less a margin; 0: not made */
     int64_t contacts_seen;      /* and how many there were */
     int64_t look_from;          /* the step from which new contacts are a reason to look again */
 

@@ -222,6 +222,7 @@ static int change_models(struct calx_sim *s, const struct calx_plan *plan, struc
     s->built = false;
     if (!s->pairs.history)
         return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for contact history");
+    s->trusted = 0.0;
     calx_motion_forget(s);
     CALX_TRY(calx_step_forces(s, &(struct calx_pass){.stage = -1}, e));
     CALX_TRY(calx_motion_start(s, e));
