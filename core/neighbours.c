@@ -42,13 +42,13 @@ static int wrap(struct calx_sim *s, int32_t row)
 
 static int wrap_all(struct calx_sim *s, struct calx_error *e)
 {
+    int32_t gone = INT32_MAX; /* the first row that has left */
+#pragma omp parallel for schedule(static) num_threads(s->team) if (s->team > 1) reduction(min : gone)
     for (size_t b = 0; b < s->block_count; b++)
-        for (int32_t k = 0; k < s->blocks[b].own; k++) {
-            int axis = wrap(s, s->blocks[b].first + k);
-            if (axis >= 0)
-                return calx_guard_left(s, s->blocks[b].first + k, axis, e);
-        }
-    return 0;
+        for (int32_t row = s->blocks[b].first; row < s->blocks[b].first + s->blocks[b].own; row++)
+            if (wrap(s, row) >= 0 && row < gone)
+                gone = row;
+    return gone == INT32_MAX ? 0 : calx_guard_left(s, gone, wrap(s, gone), e);
 }
 
 /* Fills old_row, new_place and x. */
@@ -63,7 +63,8 @@ static int sort_rows(struct calx_rebuild *r)
             from[count++] = s->blocks[b].first + k;
     double cell = 2.0 * s->radius_max < 8.0 * s->radius_min ? 2.0 * s->radius_max : 4.0 * s->radius_min;
     failed = failed || calx_sort_morton(s->r.x, from, r->n, cell, order);
-    for (size_t k = 0; !failed && k < r->n; k++) {
+#pragma omp parallel for schedule(static) num_threads(s->team) if (s->team > 1)
+    for (size_t k = 0; k < (failed ? 0 : r->n); k++) {
         r->old_row[k] = from[order[k]];
         r->new_place[r->old_row[k]] = (int32_t)k;
         memcpy(r->x + 4 * k, calx_row_x(s, r->old_row[k]), 4 * sizeof(double));

@@ -33,6 +33,7 @@ struct grid {
 struct search {
     const struct calx_pairs_input *in;
     uint8_t *class_of;
+    int32_t *cell; /* of each particle, in the grid under way */
     int classes;
     struct grid grid[CLASSES];
 };
@@ -105,19 +106,21 @@ static int fill_grid(const struct search *s, int c, struct grid *g)
     if (!g->start || !g->last || !g->index || !there)
         return 1;
     memset(g->last, 0xff, (cells + 1) * sizeof *g->last);
+#pragma omp parallel for schedule(static) num_threads(in->threads) if (in->threads > 1)
     for (size_t i = 0; i < in->n; i++)
-        if (s->class_of[i] == c)
-            g->start[cell_of(g, in->x + 4 * i) + 2]++;
+        s->cell[i] = s->class_of[i] == c ? (int32_t)cell_of(g, in->x + 4 * i) : -1;
+    for (size_t i = 0; i < in->n; i++)
+        if (s->cell[i] >= 0)
+            g->start[s->cell[i] + 2]++;
     for (size_t k = 0; k < cells; k++)
         g->start[k + 2] += g->start[k + 1];
     for (size_t i = 0; i < in->n; i++)
-        if (s->class_of[i] == c) {
-            size_t cell = cell_of(g, in->x + 4 * i);
-            int32_t at = g->start[cell + 1]++;
-            g->last[cell] = g->index[at] = (int32_t)i;
-            for (int k = 0; k < 4; k++)
-                g->member[k][at] = in->x[4 * i + (size_t)k];
-        }
+        if (s->cell[i] >= 0)
+            g->last[s->cell[i]] = g->index[g->start[s->cell[i] + 1]++] = (int32_t)i;
+#pragma omp parallel for schedule(static) num_threads(in->threads) if (in->threads > 1)
+    for (size_t at = 0; at < g->members; at++)
+        for (size_t k = 0; k < 4; k++)
+            g->member[k][at] = in->x[4 * (size_t)g->index[at] + k];
     return 0;
 }
 
@@ -311,9 +314,9 @@ static int redistribute(size_t blocks, size_t block, struct calx_found_list *lis
 
 int CALX_ISA(calx_pairs_find)(const struct calx_pairs_input *in, struct calx_found_list *lists)
 {
-    struct search s = {.in = in, .class_of = malloc(in->n + 1)};
+    struct search s = {.in = in, .class_of = malloc(in->n + 1), .cell = malloc((in->n + 1) * sizeof *s.cell)};
     size_t blocks = (in->n + in->block - 1) / in->block;
-    int failed = !s.class_of;
+    int failed = !s.class_of || !s.cell;
     if (!failed) {
         classify(&s);
         failed = make_grids(&s);
@@ -333,5 +336,6 @@ int CALX_ISA(calx_pairs_find)(const struct calx_pairs_input *in, struct calx_fou
             free(s.grid[c].member[k]);
     }
     free(s.class_of);
+    free(s.cell);
     return failed;
 }
