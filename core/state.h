@@ -254,6 +254,9 @@ struct calx_sim {
     int64_t contacts_seen;      /* and how many there were */
     int64_t look_from;          /* the step from which new contacts are a reason to look again */
 
+    struct calx_peak peak;      /* the largest force (peak.c) */
+    double peak_seconds;        /* that looking for it took */
+
     /* timing; NULL while it is off */
     struct calx_clock *clocks;
     struct calx_timing_from { double seconds; uint64_t tick; int64_t step, rebuilds; } timing_from;
@@ -417,6 +420,10 @@ int calx_motion_resolve(struct calx_plan *, struct calx_error *);
 int calx_motion_step(struct calx_sim *, double t, bool ahead, struct calx_error *); /* to time t */
 /* global.c: the same for a global integrator. */
 int calx_motion_step_global(struct calx_sim *, double t, struct calx_error *);
+
+/* peak.c: watches the largest force from the start if the scene asks for it; looks at the present state. */
+void calx_peak_start(struct calx_sim *);
+void calx_peak_look(struct calx_sim *);
 
 /* rows.c: the id of the body of a row, own or ghost. */
 int64_t calx_row_id(const struct calx_sim *, int32_t row);

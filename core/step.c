@@ -265,6 +265,8 @@ static int step(struct calx_sim *s, bool ahead, struct calx_error *e)
     if (!ahead)
         CALX_TRY(calx_pace_step(s, e));
     CALX_TRY(calx_guard_step(s, e));
+    if (s->peak.watched)
+        calx_peak_look(s);
     calx_timing_lap(clock, CALX_PHASE_OTHER);
     return end_stage(s, e);
 }
@@ -284,7 +286,7 @@ static bool looked_at(const struct calx_sim *s, int64_t steps)
 
 int calx_sim_advance(struct calx_sim *s, int64_t steps, int64_t *made, struct calx_error *e)
 {
-    bool one_stage = s->plan->motion_law && s->plan->motion_law->stages == 1;
+    bool one_stage = s->plan->motion_law && s->plan->motion_law->stages == 1 && !s->peak.watched;
     for (*made = 0; *made < steps && !s->done && !looked_at(s, 1); ++*made) {
         bool last = *made + 1 == steps || s->pace_due >= 0 || looked_at(s, 2);
         CALX_TRY(step(s, one_stage && !last, e));
