@@ -198,6 +198,14 @@ static int find_limits(struct calx_report_study *s, struct calx_error *error)
                           s->candidate_count ? ": " : "", s->candidate_count ? s->candidates[0].refused : "");
 }
 
+static int check_tolerances(const struct calx_report_study *s, struct calx_error *error)
+{
+    bool any = isnan(s->tight);
+    for (size_t c = 0; c < s->candidate_count; c++)
+        any |= !s->candidates[c].refused[0] && calx_report_variant_has_tolerance(s, (int)c);
+    return any ? CALX_OK : calx_error_set(error, CALX_ERROR_INPUT, "--tolerances: no integrator of this report has a tolerance");
+}
+
 /* ---- draws ---- */
 
 /* A perturbed start stands for a draw where the case draws no random numbers. */
@@ -282,6 +290,7 @@ int calx_report_study_open(struct calx_report_study *s, const struct calx_report
     look_at_particles(s);
     CALX_TRY(find_candidates(s, error));
     CALX_TRY(find_limits(s, error));
+    CALX_TRY(check_tolerances(s, error));
     return look_at_draws(s, error);
 }
 
