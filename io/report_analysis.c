@@ -167,6 +167,7 @@ static int analyse(struct calx_report_job *job, struct calx_report_analysis *a, 
     if (!a->results || !a->curves)
         return out_of_memory(error);
     measure_costs(job, (struct calx_report_weighted *)(void *)room);
+    calx_report_pool(job, t, a, room);
     for (a->count = 0; a->count < plan->point_count; a->count++) {
         gather(job, &plan->points[a->count], room, &a->results[a->count]);
         calx_report_errors(job, t, a, &a->results[a->count]);

@@ -353,6 +353,7 @@ struct calx_report_analysis {
     struct calx_report_verdict verdicts[CALX_REPORT_QUANTITIES];
     size_t seeds;
     struct calx_report_again again[CALX_REPORT_QUANTITIES];
+    double pooled[CALX_REPORT_QUANTITIES]; /* see calx_report_pool() */
 };
 
 /* report_analysis.c */
@@ -371,6 +372,8 @@ void calx_report_truth_clear(struct calx_report_truth *);
 /* report_error.c: errors of one point in all quantities. */
 void calx_report_errors(const struct calx_report_job *, const struct calx_report_truth *,
                         const struct calx_report_analysis *, struct calx_report_result *);
+/* The standard deviation of differences over seeds that most points have, per quantity; room for as many numbers as points. */
+void calx_report_pool(const struct calx_report_job *, const struct calx_report_truth *, struct calx_report_analysis *, double *room);
 double calx_report_mean_of(const struct calx_report_study *, const struct calx_report_run *, size_t quantity);
 /* report_verdict.c */
 void calx_report_judge(const struct calx_report_job *, struct calx_report_analysis *);
