@@ -159,7 +159,7 @@ static void fill_vectors(const struct problem *p, double tolerance, double *y, d
     }
     for (size_t b = 0; b < net->boundaries; b++) {
         y[net->n + b] = 0;
-        tolerances[net->n + b] = most * net->capacity[net->boundary[b]];
+        tolerances[net->n + b] = most * (net->capacity[net->boundary[b]] + net->boundary_conductance[b] * net->dt);
     }
 }
 
