@@ -114,6 +114,15 @@ static double stages_of(const struct calx_report_study *s, const struct calx_plu
     return law && law->stages ? law->stages : law ? 4 : 1;
 }
 
+/* An adaptive integrator gives all bodies the sub-step of the one that needs the shortest: with many there is always one. It is taken then
+ * only if it is asked for. */
+static bool is_hopeless(const struct calx_report_study *s, const struct calx_plugin *plugin)
+{
+    enum { MANY = 20 };
+    const struct calx_motion_integrator *law = s->axis == CALX_MOTION ? plugin->law : NULL;
+    return law && !law->stages && !law->solves_impulses && s->particles > MANY;
+}
+
 static int find_candidates(struct calx_report_study *s, struct calx_error *error)
 {
     const struct calx_scene *scene = s->run.scene;
@@ -126,7 +135,7 @@ static int find_candidates(struct calx_report_study *s, struct calx_error *error
     for (size_t k = 0; k < count; k++) {
         const struct calx_plugin *plugin = calx_registry_at(s->run.registry, k);
         bool mine = own && strcmp(own->plugin, plugin->name) == 0;
-        if (plugin->kind != s->axis ||
+        if (plugin->kind != s->axis || (!mine && !s->options->integrators && is_hopeless(s, plugin)) ||
             (s->options->integrators && !is_named(s->options->integrators, plugin->name)))
             continue;
         s->candidates[s->candidate_count++] =
