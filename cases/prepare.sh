@@ -2,7 +2,7 @@
 # shellcheck shell=bash disable=SC2034
 # For cases/run and tests/run: installs Debian packages that are missing, and builds. Sourced, from the top folder.
 
-build_packages=(gcc libc6-dev meson ninja-build pkg-config libxml2-dev zlib1g-dev libudunits2-dev libmuparser-dev)
+build_packages=(gcc libc6-dev meson ninja-build pkg-config libxml2-dev zlib1g-dev libudunits2-dev libmuparser-dev libsundials-dev)
 
 # install_missing PACKAGE...: with apt, only what dpkg does not know as installed.
 install_missing() {

@@ -137,6 +137,17 @@ const struct calx_measure *calx_measure_find(const char *name);
 /* The present value of a probe (a quantity with its choices). NaN if it does not exist in this scene. */
 double calx_sim_measure(struct calx_sim *, const struct calx_probe *);
 
+/* The largest normal force in a contact since it is watched, N, and when it was, s. */
+struct calx_peak {
+    bool watched;
+    double force, time;
+    struct calx_peak_sample { double time, force; int64_t id[2]; } last[3]; /* the largest after each of the last three steps; a wall is -1 - w */
+};
+/* Watches it from now on, at about twice the cost of a step; a scene that names it (a probe, an expectation, a solution) does from its start. */
+void calx_sim_watch_peak(struct calx_sim *);
+const struct calx_peak *calx_sim_peak(const struct calx_sim *);
+double calx_sim_peak_seconds(const struct calx_sim *); /* s of the clock that watching took */
+
 /* ---- where the time goes ------------------------------------------------------------------------------ */
 
 enum calx_phase {

@@ -18,6 +18,8 @@
 
 typedef double calx_column[CALX_BATCH];
 
+struct calx_changes;
+
 /* Scratch of one thread, small enough for L1. */
 struct calx_columns {
     /* what the laws see; `history` points into the store of the pairs, or to `kept` for walls and for whoever only looks */
@@ -39,6 +41,7 @@ struct calx_columns {
     uint8_t was[CALX_BATCH / 8], is[CALX_BATCH / 8]; /* touching, before and now: a bit per lane */
     calx_column damping; /* of normal laws, N s/m, then their work, J: see onset.c; */
     double centre;       /* s: the step, 0 if there is none */
+    const struct calx_changes *begun; /* what has begun in it */
     size_t n;                                        /* last, so that every column is aligned */
 } __attribute__((aligned(64)));
 

@@ -132,6 +132,13 @@ static int forces(void *engine, const struct calx_evaluation *ask)
     return 0;
 }
 
+/* Nothing touches here, ever. */
+static double change(void *engine, double time)
+{
+    (void)engine, (void)time;
+    return INFINITY;
+}
+
 static void drive(struct calx_oscillators *s, const struct calx_choice *c)
 {
     char why[256];
@@ -143,7 +150,8 @@ static void drive(struct calx_oscillators *s, const struct calx_choice *c)
                                     .memory = s->memory,
                                     .each = each,
                                     .largest = largest,
-                                    .forces = forces};
+                                    .forces = forces,
+                                    .change = change};
     s->kept = s->time;
     s->failed |= c->motion.advance(c->params, &host, why, sizeof why) != 0;
     s->failed |= !(s->kept >= s->time + dt);

@@ -104,6 +104,15 @@ static int forces(void *engine, const struct calx_evaluation *ask)
     return d->failed;
 }
 
+static double change(void *engine, double time)
+{
+    struct drive *d = engine;
+    calx_walls_move(d->s, time, time - d->walls);
+    d->walls = time;
+    d->failed = calx_step_lists(d->s, d->e) != 0;
+    return d->failed ? NAN : calx_change_distance(d->s);
+}
+
 int calx_motion_step_global(struct calx_sim *s, double t, struct calx_error *e)
 {
     const struct calx_plan *p = s->plan;
@@ -115,7 +124,8 @@ int calx_motion_step_global(struct calx_sim *s, double t, struct calx_error *e)
                                     .memory = s->memory,
                                     .each = each,
                                     .largest = largest,
-                                    .forces = forces};
+                                    .forces = forces,
+                                    .change = change};
     char why[512] = "";
     s->speed = 0.0;
     int failed = p->motion_law->advance(p->motion_params, &host, why, sizeof why);

@@ -238,6 +238,13 @@ int calx_measure_resolve(const struct calx_scene *scene, const char *of, struct 
     return unknown_name(scene, of, error);
 }
 
+/* ---- what the engine watches ---- */
+
+bool calx_measure_is_peak(const struct calx_probe *probe)
+{
+    return strcmp(probe->quantity, "peak-force") == 0 || strcmp(probe->quantity, "peak-force-time") == 0;
+}
+
 /* ---- classes ---- */
 
 bool calx_measure_has_classes(const struct calx_probe *probe)

@@ -51,6 +51,9 @@ void calx_measure_clear(struct calx_measure_cache *);
  * for this probe. */
 bool calx_measure_has_classes(const struct calx_probe *);
 
+/* Whether the engine must watch the largest force (calx_sim_watch_peak()) for this probe. */
+bool calx_measure_is_peak(const struct calx_probe *);
+
 /* Assigns the classes of the probes that count from this stage. The engine calls it when a stage
  * begins, at t = 0 with 0. */
 void calx_measure_begin_stage(struct calx_sim *, int stage);

@@ -190,6 +190,20 @@ static bool max_overlap_relative(const struct calx_measure_view *v, double out[3
     return largest_overlap(v, true, out);
 }
 
+static bool peak_force(const struct calx_measure_view *v, double out[3])
+{
+    const struct calx_peak *p = calx_sim_peak(v->sim);
+    out[0] = p->force;
+    return p->watched;
+}
+
+static bool peak_force_time(const struct calx_measure_view *v, double out[3])
+{
+    const struct calx_peak *p = calx_sim_peak(v->sim);
+    out[0] = p->time;
+    return p->watched;
+}
+
 static bool wall_force(const struct calx_measure_view *v, double out[3])
 {
     const struct calx_frame *f = calx_measure_frame(v->sim);
@@ -303,6 +317,10 @@ static const struct calx_measure_row rows[] = {
     WHOLE("max-overlap", "m", 1, max_overlap, "largest overlap of a contact"),
     WHOLE("max-overlap-relative", "1", 1, max_overlap_relative,
           "largest overlap of a contact over the smaller radius"),
+    WHOLE("peak-force", "N", 1, peak_force,
+          "the largest normal force in a contact since the start, between steps too; watching it "
+          "about doubles the cost of a step"),
+    WHOLE("peak-force-time", "s", 1, peak_force_time, "when that force was"),
     WHOLE("momentum", "kg m/s", 3, momentum, "total momentum"),
     WHOLE("wall-force", "N", 3, wall_force, "force of the grains on a wall"),
     WHOLE("wall-temperature", "K", 1, wall_temperature, "temperature of a wall"),

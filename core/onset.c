@@ -63,10 +63,10 @@ void CALX_ISA(calx_onset_weigh)(calx_v8 s, struct calx_onset_weights *w)
 
 /* Those that began, or those that ended, in this step, and what is found of them. Columns have one lane per contact,
  * and come first, so that they are aligned. */
-struct changes {
+struct calx_changes {
     calx_column share;        /* of a step: from onset to now, or from the evaluation before to the end */
     calx_column speed, depth; /* m/s, m: of the approach, or of the parting in reverse, at the node under way */
-    calx_column vt[3], spin[3];
+    calx_column vn, vt[3], spin[3]; /* as the laws saw them */
     calx_column fn, ft[3], torque[3], work, owed; /* sums over nodes; work: of normal laws */
     bool begin;
     size_t n;
@@ -74,18 +74,19 @@ struct changes {
 } __attribute__((aligned(64)));
 
 /* One that did not come, or go, by its own speed is left as it is: nothing is known of it. */
-static void note_change(const struct calx_columns *c, size_t lane, double h, struct changes *x)
+static void note_change(const struct calx_columns *c, size_t lane, double h, struct calx_changes *x)
 {
     double sign = x->begin ? 1.0 : -1.0, gap = sign * c->overlap[lane], speed = -sign * c->vn[lane];
     if (!(speed > 0.0) || !(c->mass[lane] > 0.0) || !(gap > 0.0))
         return;
     double share = gap < speed * h ? gap / (speed * h) : 1.0;
     x->lane[x->n] = (uint8_t)lane;
+    x->vn[x->n] = c->vn[lane];
     x->speed[x->n] = speed;
     x->share[x->n++] = x->begin ? share : 1.0 - share;
 }
 
-static void find_changes(const struct calx_columns *c, double h, bool begin, struct changes *x)
+static void find_changes(const struct calx_columns *c, double h, bool begin, struct calx_changes *x)
 {
     x->begin = begin;
     x->n = 0;
@@ -98,7 +99,7 @@ static void find_changes(const struct calx_columns *c, double h, bool begin, str
 
 /* ---- the laws at the nodes ---- */
 
-static void take_columns(calx_column *to, const calx_column *from, size_t count, const struct changes *x)
+static void take_columns(calx_column *to, const calx_column *from, size_t count, const struct calx_changes *x)
 {
     for (size_t q = 0; q < count; q++)
         for (size_t k = 0; k < x->n; k++)
@@ -107,7 +108,7 @@ static void take_columns(calx_column *to, const calx_column *from, size_t count,
 
 /* What laws see of the contacts but for overlap and normal velocity. Padding keeps what it has, which is finite;
  * without mass it would not be. */
-static void take_contacts(const struct calx_plan *p, const struct calx_columns *c, struct changes *x,
+static void take_contacts(const struct calx_plan *p, const struct calx_columns *c, struct calx_changes *x,
                           struct calx_columns *node)
 {
     node->n = x->n;
@@ -133,7 +134,7 @@ static void take_contacts(const struct calx_plan *p, const struct calx_columns *
 }
 
 static void run_laws(const struct calx_plan *p, size_t type, double time, const struct calx_columns *c,
-                     const struct changes *x, struct calx_columns *node)
+                     const struct calx_changes *x, struct calx_columns *node)
 {
     for (size_t q = 0; q < p->history; q++) {
         node->history[q] = node->kept[q];
@@ -149,7 +150,7 @@ static void run_laws(const struct calx_plan *p, size_t type, double time, const 
 }
 
 /* On to a node `time` (s) later, by the force at the last one. */
-static void go_on(double time, const struct calx_columns *node, struct changes *x)
+static void go_on(double time, const struct calx_columns *node, struct calx_changes *x)
 {
     for (size_t lane = 0; lane < x->n; lane += 8) {
         calx_v8 u = calx_v8_load(x->speed + lane), none = {0};
@@ -168,7 +169,7 @@ static void add(double *to, calx_v8 v)
  * half the force there, for the time they are told: 2/time times it is the power. At an end the force before is not
  * none; apply() takes its part off. */
 static void add_node(const struct calx_plan *p, const struct calx_columns *node, int q, double h, double time,
-                     const struct calx_onset_weights *weights, struct changes *x)
+                     const struct calx_onset_weights *weights, struct calx_changes *x)
 {
     for (size_t lane = 0; lane < x->n; lane += 8) {
         const struct calx_onset_weights *w = &weights[lane / 8];
@@ -186,7 +187,7 @@ static void add_node(const struct calx_plan *p, const struct calx_columns *node,
 }
 
 /* The velocity seen is that of the middle of the step; the force at the end takes it to the end. */
-static void part_speed(double h, const struct calx_columns *node, struct changes *x)
+static void part_speed(double h, const struct calx_columns *node, struct calx_changes *x)
 {
     for (size_t k = 0; k < x->n; k++) {
         double u = x->speed[k] + h * (x->share[k] - 0.5) * node->fn[k] / node->mass[k];
@@ -195,7 +196,7 @@ static void part_speed(double h, const struct calx_columns *node, struct changes
 }
 
 static void try_nodes(const struct calx_plan *p, size_t type, double h, const struct calx_columns *c,
-                      struct calx_columns *node, struct changes *x)
+                      struct calx_columns *node, struct calx_changes *x)
 {
     struct calx_onset_weights weights[CALX_BATCH / 8];
     const double *at = CALX_ISA(calx_onset_node);
@@ -220,8 +221,9 @@ static void try_nodes(const struct calx_plan *p, size_t type, double h, const st
 
 /* ---- into the batch ---- */
 
-/* What has begun has slid, and turned, for a part of the step only: history begins with that. */
-static void shorten_paths(const struct calx_plan *p, const struct changes *x, struct calx_columns *c)
+/* What has begun has slid, and turned, for a part of the step only: history begins with that. Tangential laws then see an approach that
+ * was shortened as well (calx_onset_normal): to them the bodies have been in touch from the start of the step. */
+static void shorten_paths(const struct calx_plan *p, const struct calx_changes *x, struct calx_columns *c)
 {
     for (size_t k = 0; k < x->n; k++)
         for (int q = 0; q < 3; q++) {
@@ -233,7 +235,7 @@ static void shorten_paths(const struct calx_plan *p, const struct changes *x, st
 }
 
 /* Power of tangential forces and couples of one contact, W. */
-static double power(const struct calx_plan *p, const struct changes *x, size_t k, const calx_column *ft,
+static double power(const struct calx_plan *p, const struct calx_changes *x, size_t k, const calx_column *ft,
                     const calx_column *torque, size_t lane)
 {
     double sum = 0.0;
@@ -247,7 +249,7 @@ static double power(const struct calx_plan *p, const struct changes *x, size_t k
 /* What is dissipated. Normal laws: as the nodes say. The others have booked, of an onset, the path since then with
  * half their force, of an end half a step of the force before and what was stored; what acts is the whole kick, half
  * a step of which they book in the next step. */
-static double lost(const struct calx_plan *p, const struct changes *x, size_t k, double h, struct calx_columns *c)
+static double lost(const struct calx_plan *p, const struct calx_changes *x, size_t k, double h, struct calx_columns *c)
 {
     size_t lane = x->lane[k];
     double share = x->share[k], others = c->work[lane] - c->damping[lane], acts = h * power(p, x, k, x->ft, x->torque, k);
@@ -256,7 +258,7 @@ static double lost(const struct calx_plan *p, const struct changes *x, size_t k,
     return x->work[k] + others - acts + 0.5 * (1.0 + share) * h * power(p, x, k, c->ft, c->torque, lane);
 }
 
-static void apply(const struct calx_plan *p, const struct changes *x, double h, struct calx_columns *c)
+static void apply(const struct calx_plan *p, const struct calx_changes *x, double h, struct calx_columns *c)
 {
     for (size_t k = 0; k < x->n; k++) {
         size_t lane = x->lane[k];
@@ -269,7 +271,7 @@ static void apply(const struct calx_plan *p, const struct changes *x, double h, 
         if (!x->begin)
             continue;
         c->history[p->owed][lane] = x->owed[k];
-        c->history[p->past][lane] = 0.5 * (c->vn[lane] + h * (x->fn[k] + x->owed[k]) / c->mass[lane]);
+        c->history[p->past][lane] = 0.5 * (x->vn[k] + h * (x->fn[k] + x->owed[k]) / c->mass[lane]);
     }
 }
 
@@ -321,6 +323,8 @@ void CALX_ISA(calx_onset_normal)(const struct calx_plan *p, size_t l, size_t typ
     if (c->centre > 0.0 && p->laws[l].own[type].needs & CALX_USES_VELOCITY)
         damp_at_moment(p, l, type, c);
     memcpy(c->damping, c->work, calx_padded(c->n) * sizeof(double));
+    for (size_t k = 0; c->centre > 0.0 && k < c->begun->n; k++)
+        c->vn[c->begun->lane[k]] = c->begun->share[k] * c->begun->vn[k];
     for (size_t group = 0; c->centre > 0.0 && group < c->n; group += 8)
         for (unsigned bits = owing(p, c, group); bits; bits &= bits - 1) {
             size_t lane = group + (size_t)__builtin_ctz(bits);
@@ -332,7 +336,7 @@ void CALX_ISA(calx_onset_normal)(const struct calx_plan *p, size_t l, size_t typ
 void CALX_ISA(calx_onset_laws)(const struct calx_plan *p, size_t type, double dt, bool conduct, struct calx_columns *c,
                                struct calx_clock *clock)
 {
-    struct changes begun, ended;
+    struct calx_changes begun, ended;
     expect_owed(p, dt, c);
     find_changes(c, dt, true, &begun);
     find_changes(c, dt, false, &ended);
@@ -343,6 +347,7 @@ void CALX_ISA(calx_onset_laws)(const struct calx_plan *p, size_t type, double dt
     if (ended.n)
         try_nodes(p, type, dt, c, c + 1, &ended);
     c->centre = dt;
+    c->begun = &begun;
     CALX_ISA(calx_evaluate_stack)(p, type, dt, conduct, c, clock);
     c->centre = 0.0;
     apply(p, &begun, dt, c);

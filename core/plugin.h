@@ -315,6 +315,10 @@ struct calx_motion_host {
                       double (*rotation)(const void *params, const struct calx_rows *), const void *params);
     /* Evaluates all forces at the present rows: fills a. Returns 0, or 1 if the run must stop: return 1 then, `why` left empty. */
     int (*forces)(void *engine, const struct calx_evaluation *);
+    /* How far, m, contacts are from a change since the last evaluation that was kept, at the present rows and with walls where they are at
+     * `time`: the smallest gap of what was apart and the smallest overlap of what touched; < 0: how far a change lies behind; infinite
+     * where there is nothing. NaN if the run must stop: return 1 then, `why` left empty. */
+    double (*change)(void *engine, double time);
 };
 
 enum { CALX_MEMORY = 8 };

@@ -21,6 +21,7 @@ struct scalars {
     double wall_power, potential0, scale, heat_scale, coldest, hottest, overlap_seen, trusted;
     double dt, heat_dt, pace_time, pace_overlap, checked;
     int64_t contacts_seen, look_from, heat_every, pace_step, pace_level, pace_due;
+    struct calx_peak peak;
 };
 
 #define COPY_SCALARS(to, from)                                                                     \
@@ -52,7 +53,7 @@ struct scalars {
         (to)->pace_step = (from)->pace_step, (to)->pace_level = (from)->pace_level;                \
         (to)->pace_due = (from)->pace_due, (to)->pace_overlap = (from)->pace_overlap;              \
         (to)->checked = (from)->checked;                                                           \
-        (to)->heat_scale = (from)->heat_scale;                                                     \
+        (to)->heat_scale = (from)->heat_scale, (to)->peak = (from)->peak;                          \
     } while (0)
 
 /* An array of the state: where its pointer is and its bytes. */

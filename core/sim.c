@@ -48,6 +48,7 @@ static int first_forces(struct calx_sim *s, struct calx_error *e)
     calx_ledger_begin(s);
     calx_measure_begin_stage(s, 0);
     calx_guard_begin(s);
+    calx_peak_start(s);
     return calx_guard_step(s, e);
 }
 

@@ -254,6 +254,9 @@ struct calx_sim {
     int64_t contacts_seen;      /* and how many there were */
     int64_t look_from;          /* the step from which new contacts are a reason to look again */
 
+    struct calx_peak peak;      /* the largest force (peak.c) */
+    double peak_seconds;        /* that looking for it took */
+
     /* timing; NULL while it is off */
     struct calx_clock *clocks;
     struct calx_timing_from { double seconds; uint64_t tick; int64_t step, rebuilds; } timing_from;
@@ -403,6 +406,8 @@ int calx_guard_left(const struct calx_sim *, int32_t row, int axis, struct calx_
 /* step.c */
 /* All forces at the present positions, then accelerations and what follows. s->trial and s->lag say what kind of evaluation it is. */
 int calx_step_forces(struct calx_sim *, const struct calx_pass *, struct calx_error *);
+/* Renews the neighbour list and, within it, the list of what may touch soon, where bodies have come too far. */
+int calx_step_lists(struct calx_sim *, struct calx_error *);
 /* The evaluation at the end of the step under way, `dt` after the last that was kept. */
 struct calx_pass calx_step_end_pass(const struct calx_sim *, double dt, int stage, bool ahead);
 int calx_step_begin_stage(struct calx_sim *, int stage, struct calx_error *);
@@ -415,8 +420,14 @@ void calx_motion_forget(struct calx_sim *); /* what an integrator kept, before a
 /* Whether the integrator of a plan resolves onset and end of contacts, and the history that takes; fails if that has no room. */
 int calx_motion_resolve(struct calx_plan *, struct calx_error *);
 int calx_motion_step(struct calx_sim *, double t, bool ahead, struct calx_error *); /* to time t */
+/* change.c: see `change` in struct calx_motion_host; lists must be fresh and walls in place. */
+double calx_change_distance(const struct calx_sim *);
 /* global.c: the same for a global integrator. */
 int calx_motion_step_global(struct calx_sim *, double t, struct calx_error *);
+
+/* peak.c: watches the largest force from the start if the scene asks for it; looks at the present state. */
+void calx_peak_start(struct calx_sim *);
+void calx_peak_look(struct calx_sim *);
 
 /* rows.c: the id of the body of a row, own or ghost. */
 int64_t calx_row_id(const struct calx_sim *, int32_t row);

@@ -112,9 +112,8 @@ static bool sift(struct calx_sim *s)
     return room;
 }
 
-/* The neighbour list and, within it, the list of what may touch soon. A list whose room for pairs that come to touch is used up is built
- * again; the next ones then have room for all. */
-static int keep_lists(struct calx_sim *s, struct calx_error *e)
+/* A list whose room for pairs that come to touch is used up is built again; the next ones then have room for all. */
+int calx_step_lists(struct calx_sim *s, struct calx_error *e)
 {
     bool built = calx_neighbours_stale(s);
     if (built)
@@ -131,7 +130,7 @@ static int keep_lists(struct calx_sim *s, struct calx_error *e)
 
 int calx_step_forces(struct calx_sim *s, const struct calx_pass *pass, struct calx_error *e)
 {
-    CALX_TRY(keep_lists(s, e));
+    CALX_TRY(calx_step_lists(s, e));
     sweep(s, pass);
     s->evaluations++;
     if (s->features.wall_contacts && !s->trial)
@@ -265,6 +264,8 @@ static int step(struct calx_sim *s, bool ahead, struct calx_error *e)
     if (!ahead)
         CALX_TRY(calx_pace_step(s, e));
     CALX_TRY(calx_guard_step(s, e));
+    if (s->peak.watched)
+        calx_peak_look(s);
     calx_timing_lap(clock, CALX_PHASE_OTHER);
     return end_stage(s, e);
 }
@@ -284,7 +285,7 @@ static bool looked_at(const struct calx_sim *s, int64_t steps)
 
 int calx_sim_advance(struct calx_sim *s, int64_t steps, int64_t *made, struct calx_error *e)
 {
-    bool one_stage = s->plan->motion_law && s->plan->motion_law->stages == 1;
+    bool one_stage = s->plan->motion_law && s->plan->motion_law->stages == 1 && !s->peak.watched;
     for (*made = 0; *made < steps && !s->done && !looked_at(s, 1); ++*made) {
         bool last = *made + 1 == steps || s->pace_due >= 0 || looked_at(s, 2);
         CALX_TRY(step(s, one_stage && !last, e));

@@ -18,10 +18,13 @@ static int report_case(const struct calx_arguments *a)
         .steps = a->step_range,
         .heat_steps = a->heat_range,
         .soften = a->soften,
+        .tolerances = a->tolerance_range,
+        .points = a->points,
         .quantities = a->quantities,
         .target = a->target > 0 ? a->target : default_target,
         .budget = a->budget > 0 ? a->budget : default_budget,
         .seeds = a->seeds,
+        .again = a->again,
         .threads = a->threads,
         .stability = a->stability,
         .json = a->json,
@@ -34,9 +37,9 @@ static int report_case(const struct calx_arguments *a)
 }
 
 static const struct calx_option *const used[] = {
-    &calx_option_integrators, &calx_option_step_range, &calx_option_heat_range, &calx_option_soften,
-    &calx_option_quantity,    &calx_option_target,     &calx_option_seeds,      &calx_option_stability,
-    &calx_option_budget,      &calx_option_out,        &calx_option_threads,    &calx_option_set,
+    &calx_option_integrators, &calx_option_step_range, &calx_option_heat_range, &calx_option_soften, &calx_option_tolerances,
+    &calx_option_quantity,    &calx_option_target,     &calx_option_seeds,      &calx_option_again,  &calx_option_points,
+    &calx_option_stability,   &calx_option_budget,     &calx_option_out,        &calx_option_threads, &calx_option_set,
     &calx_option_report_json, &calx_option_quiet,
 };
 

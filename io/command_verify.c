@@ -4,9 +4,13 @@
  * Input: cases. Output: a table of expected, got, error, tolerance, verdict; exit status 1 if
  * anything failed, 2 if a case cannot be read.
  */
+#include <dirent.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "io/commands.h"
 #include "io/run.h"
@@ -66,6 +70,7 @@ static void report_failure(struct score *score, const struct calx_run *run, cons
 
 static void verify_case(struct score *score, const char *path, const struct calx_arguments *a)
 {
+    score->cases++;
     const struct calx_run_options options = {
         .case_path = path,
         .threads = a->threads,
@@ -97,12 +102,64 @@ static void verify_case(struct score *score, const char *path, const struct calx
     calx_run_close(&run);
 }
 
+/* ---- folders ---- */
+
+static bool ends_in_xml(const char *name)
+{
+    size_t n = strlen(name);
+    return n > 4 && strcmp(name + n - 4, ".xml") == 0;
+}
+
+static int is_case(const struct dirent *entry)
+{
+    return ends_in_xml(entry->d_name) && entry->d_name[0] != '.';
+}
+
+static mode_t type_of(const char *path)
+{
+    struct stat what;
+    return stat(path, &what) == 0 ? what.st_mode & S_IFMT : 0;
+}
+
+static bool holds(const char *folder, const char *name)
+{
+    char path[PATH_MAX];
+    return snprintf(path, sizeof path, "%s/%s", folder, name) < (int)sizeof path && access(path, F_OK) == 0;
+}
+
+/* A folder without case.xml: each case file in it, in the order of the alphabet. */
+static void verify_folder(struct score *score, const char *folder, const struct calx_arguments *a)
+{
+    struct dirent **names = NULL;
+    int count = scandir(folder, &names, is_case, alphasort);
+    if (count <= 0) {
+        fprintf(stderr, "calx: %s holds no case: neither case.xml nor another .xml file\n", folder);
+        score->status = calx_error_exit(CALX_ERROR_INPUT);
+    }
+    for (int k = 0; k < count; k++) {
+        char path[PATH_MAX];
+        snprintf(path, sizeof path, "%s/%s", folder, names[k]->d_name);
+        verify_case(score, path, a);
+        free(names[k]);
+    }
+    free(names);
+}
+
 static int verify_cases(const struct calx_arguments *a)
 {
-    struct score score = {.cases = a->operand_count};
+    struct score score = {0};
     calx_verify_print_header(stdout);
-    for (size_t i = 0; i < a->operand_count; ++i)
-        verify_case(&score, a->operands[i], a);
+    for (size_t i = 0; i < a->operand_count; ++i) {
+        const char *path = a->operands[i];
+        if (type_of(path) == S_IFDIR && !holds(path, "case.xml"))
+            verify_folder(&score, path, a);
+        else if (type_of(path) == S_IFREG && !ends_in_xml(path)) /* as `cases/...` of a shell brings them */
+            fprintf(stderr, "calx: %s: skipped, no case file (.xml)\n", path);
+        else
+            verify_case(&score, path, a);
+    }
+    if (score.cases == 0)
+        score.status = calx_error_exit(CALX_ERROR_INPUT);
     printf("%zu case%s: %zu expectations passed, %zu failed\n", score.cases,
            score.cases == 1 ? "" : "s", score.passed, score.failed);
     return score.status;
@@ -116,10 +173,11 @@ const struct calx_command calx_command_verify = {
     "CASE... [options]",
     "run cases and compare with what they expect",
     "Writes no files. An expectation is judged at the instants of the CSV, at its own time, or at "
-    "the end. A case may expect to be refused with a message.\n\n"
+    "the end. A case may expect to be refused with a message. Of a folder without case.xml every .xml file is a case.\n\n"
     "examples:\n"
     "  calx verify cases/04-two-spheres\n"
-    "  calx verify cases/0*\n",
+    "  calx verify cases/0*\n"
+    "  calx verify cases/extreme\n",
     OPTIONS,
     used,
     1,

@@ -23,9 +23,9 @@ struct calx_arguments {
     int thread_list[CALX_OPTIONS_THREADS]; /* of --threads 1,2 */
     int64_t steps, warm;                   /* 0 and -1: not given */
     bool force, resume, quiet, reference, json, help;
-    const char *integrators, *step_range, *heat_range, *soften, *quantities; /* of report */
+    const char *integrators, *step_range, *heat_range, *soften, *quantities, *tolerance_range, *points; /* of report */
     double target, budget; /* 0: not given; budget in s */
-    int seeds;             /* 0: not given */
+    int seeds, again;      /* 0: not given */
     bool stability;
     size_t setting_count;
     struct calx_setting *settings; /* owned; the paths are copies */
@@ -55,7 +55,7 @@ extern const struct calx_option calx_option_set, calx_option_out, calx_option_th
 
 /* Those of calx report (options_report.c). */
 extern const struct calx_option calx_option_integrators, calx_option_step_range,
-    calx_option_heat_range, calx_option_soften, calx_option_quantity, calx_option_target,
+    calx_option_heat_range, calx_option_soften, calx_option_tolerances, calx_option_points, calx_option_again, calx_option_quantity, calx_option_target,
     calx_option_seeds, calx_option_stability, calx_option_budget, calx_option_report_json;
 
 /* Fills *arguments from argv[1..]. CALX_ERROR_INPUT for what the command does not know, with the

@@ -37,6 +37,16 @@ static int set_soften(struct calx_arguments *a, const char *value, struct calx_e
     return set_text(&a->soften, "--soften", "factors, as in 10,100", value, error);
 }
 
+static int set_tolerances(struct calx_arguments *a, const char *value, struct calx_error *error)
+{
+    return set_text(&a->tolerance_range, "--tolerances", "two numbers, as in 1e-10..1e-4", value, error);
+}
+
+static int set_points(struct calx_arguments *a, const char *value, struct calx_error *error)
+{
+    return set_text(&a->points, "--points", "a CSV file", value, error);
+}
+
 static int set_quantity(struct calx_arguments *a, const char *value, struct calx_error *error)
 {
     return set_text(&a->quantities, "--quantity", "names with commas between them", value, error);
@@ -63,16 +73,26 @@ static int set_budget(struct calx_arguments *a, const char *value, struct calx_e
     return set_positive(&a->budget, "--budget", "s", 1e7, value, error);
 }
 
-static int set_seeds(struct calx_arguments *a, const char *value, struct calx_error *error)
+static int set_count(int *count, const char *option, const char *value, struct calx_error *error)
 {
     enum { MOST = 1000 };
     char *end;
     errno = 0;
     long n = strtol(value, &end, 10);
     if (errno || end == value || *end || n < 2 || n > MOST)
-        return calx_error_set(error, CALX_ERROR_INPUT, "--seeds needs a whole number from 2 to %d, not '%s'", MOST, value);
-    a->seeds = (int)n;
+        return calx_error_set(error, CALX_ERROR_INPUT, "%s needs a whole number from 2 to %d, not '%s'", option, MOST, value);
+    *count = (int)n;
     return CALX_OK;
+}
+
+static int set_seeds(struct calx_arguments *a, const char *value, struct calx_error *error)
+{
+    return set_count(&a->seeds, "--seeds", value, error);
+}
+
+static int set_again(struct calx_arguments *a, const char *value, struct calx_error *error)
+{
+    return set_count(&a->again, "--again", value, error);
 }
 
 static int set_stability(struct calx_arguments *a, const char *value, struct calx_error *error)
@@ -96,6 +116,11 @@ const struct calx_option calx_option_step_range = {"--steps", "A..B", "smallest 
 const struct calx_option calx_option_heat_range = {"--heat-steps", "A..B", "heat steps too, beside the case's step of motion",
                                                    set_heat_range};
 const struct calx_option calx_option_soften = {"--soften", "A,B,...", "contacts softer by these factors too", set_soften};
+const struct calx_option calx_option_tolerances = {"--tolerances", "A..B", "tolerances of the case's solvers too", set_tolerances};
+const struct calx_option calx_option_points = {
+    "--points", "FILE.csv", "other codes' points: name,dt,error,seconds,evaluations[,quantity]", set_points};
+const struct calx_option calx_option_again = {"--again", "N", "measure the verdicts again with N other seeds, beyond the budget",
+                                              set_again};
 const struct calx_option calx_option_quantity = {
     "--quantity", "Q,...", "what to compare: a probe, a column of the CSV, a quantity, paths, temperatures", set_quantity};
 const struct calx_option calx_option_target = {"--target", "ERROR", "the relative error to live with (1e-3)", set_target};

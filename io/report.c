@@ -4,6 +4,8 @@
  */
 #include "io/report.h"
 
+#include <stdlib.h>
+
 #include "io/report_parts.h"
 
 static int write_all(struct calx_report_job *job, const struct calx_report_analysis *a, struct calx_error *error)
@@ -39,7 +41,9 @@ static int make(struct calx_report_job *job, const struct calx_report_options *o
     if (o->stability)
         return calx_report_stability(job, error);
     CALX_TRY(calx_report_plan_make(job, error));
+    CALX_TRY(calx_report_points_read(job, error));
     CALX_TRY(calx_report_analyse(job, a, error));
+    CALX_TRY(calx_report_measure_again(job, a, a->again, error));
     calx_report_progress_end(&job->progress);
     CALX_TRY(write_all(job, a, error));
     tell(job, a);
@@ -55,6 +59,7 @@ int calx_report_make(const struct calx_report_options *o, struct calx_error *err
     calx_report_progress_end(&job.progress);
     calx_report_analysis_clear(&analysis);
     calx_report_plan_clear(&job.plan);
+    free(job.peers);
     calx_report_store_close(&job.store);
     calx_report_study_clear(&job.study);
     return code;

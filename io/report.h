@@ -20,10 +20,13 @@ struct calx_report_options {
     const char *steps;       /* "1e-6..1e-4", s: of motion, or of heat where nothing moves */
     const char *heat_steps;  /* "1e-4..1e-2", s: the heat step beside the step of motion */
     const char *soften;      /* "10,100": contacts softer by these factors as well */
+    const char *tolerances;  /* "1e-10..1e-4": of the solvers, as well */
+    const char *points;      /* CSV file with points of other codes; NULL */
     const char *quantities;  /* names with commas between */
     double target;           /* the relative error to live with */
     double budget;           /* s of the clock */
     int seeds;               /* replicas where statistics decide; 0: as many as fit */
+    int again;               /* seeds with which verdicts are measured again; 0: none */
     int threads;             /* 0: all cores */
     bool stability, json;
     FILE *progress; /* NULL: silent */

@@ -44,6 +44,12 @@ static const struct calx_report_run *run_of(const struct calx_report_job *job, c
 
 /* ---- costs ---- */
 
+/* Solvers whose work is not in the count of evaluations go another way: the clock alone tells. */
+static bool has_other_work(const struct calx_report_recipe *r)
+{
+    return r->heat_dt > 0 || r->tolerance > 0;
+}
+
 /* Runs count by their work: those of a few steps measure caches and the clock. */
 static void measure_costs(struct calx_report_job *job, struct calx_report_weighted *room)
 {
@@ -54,7 +60,7 @@ static void measure_costs(struct calx_report_job *job, struct calx_report_weight
         for (size_t k = 0; k < job->store.count; k++) {
             const struct calx_report_run *run = &job->store.runs[k];
             double work = (double)run->evaluations;
-            if (run->recipe.candidate != (int)c || !(work > 0))
+            if (run->recipe.candidate != (int)c || !(work > 0) || has_other_work(&run->recipe))
                 continue;
             steps += (double)run->steps;
             evaluations += work;
@@ -100,15 +106,10 @@ static void gather(const struct calx_report_job *job, const struct calx_report_p
     r->evaluations = evaluations / (double)n;
     r->measured = calx_report_median(room, n);
     r->spread = calx_report_scatter(room, n);
-    r->seconds = r->evaluations * job->study.candidates[p->candidate].cost;
+    r->seconds = p->heat_dt > 0 || p->tolerance > 0 ? r->measured : r->evaluations * job->study.candidates[p->candidate].cost;
 }
 
 /* ---- curves ---- */
-
-static bool plain(const struct calx_report_point *p)
-{
-    return p->stiffness == 1 && p->heat_dt == 0;
-}
 
 /* Coarse to fine; the last is the one with the smallest error: below it is the uncertainty of the reference, or rounding. */
 static size_t collect_curve(const struct calx_report_job *job, const struct calx_report_analysis *a, int candidate,
@@ -121,7 +122,7 @@ static size_t collect_curve(const struct calx_report_job *job, const struct calx
     for (size_t k = 0; k < a->count; k++) {
         const struct calx_report_result *r = &a->results[k];
         double error = r->errors[q].error;
-        if (r->point->candidate != candidate || !plain(r->point) || r->point->dt > limit || !(error > floor) ||
+        if (r->point->candidate != candidate || !calx_report_is_plain(r->point) || r->point->dt > limit || !(error > floor) ||
             error > USELESS || (seeds && error < r->errors[q].confidence))
             continue;
         x[n] = log(r->point->dt);
@@ -166,6 +167,7 @@ static int analyse(struct calx_report_job *job, struct calx_report_analysis *a, 
     if (!a->results || !a->curves)
         return out_of_memory(error);
     measure_costs(job, (struct calx_report_weighted *)(void *)room);
+    calx_report_pool(job, t, a, room);
     for (a->count = 0; a->count < plan->point_count; a->count++) {
         gather(job, &plan->points[a->count], room, &a->results[a->count]);
         calx_report_errors(job, t, a, &a->results[a->count]);

@@ -3,7 +3,9 @@
  * The errors of one point of the diagram.
  * Input: its runs and what is true. Output: per quantity an error relative to the quantity's scale.
  * Norms: root mean square over samples, bodies and replicas. Statistics: the mean over seeds of the difference to the
- * reference with the same seed, with the half width of its 95 % interval (Student).
+ * reference with the same seed, with the half width of its 95 % interval (Student). Once paths have parted, differences scatter alike
+ * whatever the step, so no point is taken to scatter less than most do: of many points a verdict would choose the one whose few
+ * seeds happen to agree, and promise what other seeds do not hold.
  */
 #include <math.h>
 
@@ -67,10 +69,17 @@ static struct calx_report_error paths_error(const struct calx_report_job *job, c
     return (struct calx_report_error){sqrt(all.squares / all.n) / scale, 0.5 * (most - least)};
 }
 
-static struct calx_report_error means_error(const struct calx_report_job *job, const struct calx_report_truth *t,
-                                            size_t q, const struct calx_report_point *p, double scale)
+/* The differences to the reference over the seeds of a point: how many, their mean and standard deviation, in scales. */
+struct differences {
+    size_t n;
+    double mean, deviation;
+};
+
+static struct differences differences_of(const struct calx_report_job *job, const struct calx_report_truth *t, size_t q,
+                                         const struct calx_report_point *p, double scale)
 {
-    double sum = 0, squares = 0, n = 0;
+    double sum = 0, squares = 0;
+    struct differences s = {0, NAN, NAN};
     for (size_t k = 0; k < p->count && k < t->seeds; k++) {
         const struct calx_report_run *run =
             calx_report_store_find(&job->store, &job->plan.recipes[p->first + k], job->study.width);
@@ -80,12 +89,37 @@ static struct calx_report_error means_error(const struct calx_report_job *job, c
         double d = (calx_report_mean_of(&job->study, run, q) - wanted) / scale;
         sum += d;
         squares += d * d;
-        n += 1;
+        s.n++;
     }
-    if (n < 2)
+    if (s.n < 2)
+        return s;
+    s.mean = sum / (double)s.n;
+    s.deviation = sqrt(fmax(0, (squares - sum * s.mean) / (double)(s.n - 1)));
+    return s;
+}
+
+void calx_report_pool(const struct calx_report_job *job, const struct calx_report_truth *t, struct calx_report_analysis *a,
+                      double *room)
+{
+    for (size_t q = 0; q < job->study.quantity_count; q++) {
+        size_t n = 0;
+        for (size_t p = 0; p < job->plan.point_count && job->plan.reference == CALX_REPORT_STATISTICS; p++) {
+            const struct differences s = differences_of(job, t, q, &job->plan.points[p], a->scales[q].scale);
+            if (s.n == job->plan.points[p].count && s.n > 1)
+                room[n++] = s.deviation;
+        }
+        a->pooled[q] = n ? calx_report_median(room, n) : 0;
+    }
+}
+
+static struct calx_report_error means_error(const struct calx_report_job *job, const struct calx_report_truth *t,
+                                            const struct calx_report_analysis *a, size_t q, const struct calx_report_point *p)
+{
+    const struct differences s = differences_of(job, t, q, p, a->scales[q].scale);
+    if (s.n < 2)
         return (struct calx_report_error){NAN, NAN};
-    double mean = sum / n, variance = fmax(0, (squares - n * mean * mean) / (n - 1));
-    return (struct calx_report_error){fabs(mean), calx_report_student((size_t)n - 1) * sqrt(variance / n)};
+    double deviation = fmax(s.deviation, a->pooled[q]);
+    return (struct calx_report_error){fabs(s.mean), calx_report_student(s.n - 1) * deviation / sqrt((double)s.n)};
 }
 
 void calx_report_errors(const struct calx_report_job *job, const struct calx_report_truth *t,
@@ -95,7 +129,7 @@ void calx_report_errors(const struct calx_report_job *job, const struct calx_rep
         const struct calx_report_quantity *quantity = &job->study.quantities[q];
         double scale = a->scales[q].scale;
         r->errors[q] = job->plan.reference == CALX_REPORT_STATISTICS
-                           ? means_error(job, t, q, r->point, scale)
+                           ? means_error(job, t, a, q, r->point)
                            : paths_error(job, t, quantity, r->point, scale);
         if (r->status != CALX_REPORT_GOOD)
             r->errors[q] = (struct calx_report_error){NAN, NAN};

@@ -67,7 +67,7 @@ int calx_report_fingerprint(struct calx_report_study *s, struct calx_error *erro
 {
     const struct calx_report_options *o = s->options;
     uint64_t hash = hash_text(0xcbf29ce484222325u, CALX_VERSION);
-    const char *texts[] = {o->integrators, o->steps, o->heat_steps, o->soften, o->quantities};
+    const char *texts[] = {o->integrators, o->steps, o->heat_steps, o->soften, o->tolerances, o->quantities};
     const double numbers[] = {o->target, o->budget, o->seeds, o->stability};
     for (size_t k = 0; k < sizeof texts / sizeof *texts; k++)
         hash = hash_text(hash, texts[k]);

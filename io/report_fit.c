@@ -75,13 +75,13 @@ static struct calx_report_recipe recipe_of(const struct calx_report_job *job, in
                                        .window = job->plan.window, .samples = job->plan.samples};
 }
 
-/* Replica k of a point. A draw that the case does not make is a start that differs a little. */
-static struct calx_report_recipe replica_of(const struct calx_report_job *job, const struct calx_report_point *point,
-                                            int k)
+/* A draw that the case does not make is a start that differs a little. */
+struct calx_report_recipe calx_report_replica(const struct calx_report_job *job, const struct calx_report_point *point, int k)
 {
     const struct calx_report_plan *plan = &job->plan;
     struct calx_report_recipe r = recipe_of(job, point->candidate, point->dt);
     r.heat_dt = point->heat_dt;
+    r.tolerance = point->tolerance;
     r.stiffness = point->stiffness;
     r.draw = plan->reference == CALX_REPORT_STATISTICS ? k : 0;
     r.perturb = r.draw && !job->study.random ? 1e-3 : 0;
@@ -99,10 +99,11 @@ static bool add_point(struct calx_report_job *job, struct calx_report_point poin
         return true;
     for (size_t k = 0; k < plan->point_count; k++)
         if (plan->points[k].candidate == point.candidate && plan->points[k].dt == point.dt &&
-            plan->points[k].heat_dt == point.heat_dt && plan->points[k].stiffness == point.stiffness)
+            plan->points[k].heat_dt == point.heat_dt && plan->points[k].tolerance == point.tolerance &&
+            plan->points[k].stiffness == point.stiffness)
             return true;
     for (int k = 0; k < plan->replicas; k++) {
-        struct calx_report_recipe r = replica_of(job, &point, k);
+        struct calx_report_recipe r = calx_report_replica(job, &point, k);
         bool twin = plan->reference != CALX_REPORT_STATISTICS && has_recipe(plan, point.first, r.dt);
         if (!isnan(r.dt) && !twin && !append(&plan->recipes, &plan->recipe_count, &r, sizeof r))
             return false;
@@ -163,6 +164,18 @@ static bool add_heat_ladder(struct calx_report_job *job, const struct level *lev
     return true;
 }
 
+/* Tolerances of the solvers, a decade apart, at the case's own step. */
+static bool add_tolerances(struct calx_report_job *job, size_t c)
+{
+    const double DECADE = 10;
+    const struct calx_report_study *s = &job->study;
+    for (double tolerance = s->loose; tolerance >= s->tight * (1 - 1e-9); tolerance /= DECADE)
+        if (!add_point(job, (struct calx_report_point){.candidate = (int)c, .dt = s->own_dt, .tolerance = tolerance,
+                                                       .stiffness = 1}))
+            return false;
+    return true;
+}
+
 /* ---- the reference ---- */
 
 static double finest_step(const struct calx_report_job *job)
@@ -180,10 +193,11 @@ static bool add_references(struct calx_report_job *job)
     double finest = finest_step(job);
     int candidate = s->own < 0 ? 0 : s->own, count = plan->reference == CALX_REPORT_STATISTICS ? plan->replicas : 3;
     for (int k = 0; k < count && plan->reference != CALX_REPORT_EXACT; k++) {
-        struct calx_report_point point = {.candidate = candidate, .stiffness = 1};
+        struct calx_report_point point = {.candidate = candidate, .stiffness = 1,
+                                          .tolerance = isnan(job->study.tight) ? 0 : job->study.tight};
         bool seeds = plan->reference == CALX_REPORT_STATISTICS;
         point.dt = rounded(plan, seeds ? 0.5 * finest : finest / (1 << k));
-        struct calx_report_recipe r = replica_of(job, &point, seeds ? k : 0);
+        struct calx_report_recipe r = calx_report_replica(job, &point, seeds ? k : 0);
         if (!append(&plan->references, &plan->reference_count, &r, sizeof r))
             return false;
     }
@@ -259,6 +273,8 @@ static int build(struct calx_report_job *job, const struct level *level, double 
         if (s->candidates[c].refused[0])
             continue;
         whole = add_ladder(job, c, level, 1);
+        if (whole && !isnan(s->tight) && calx_report_variant_has_tolerance(s, (int)c))
+            whole = add_tolerances(job, c);
         taken++;
     }
     for (size_t k = 0; whole && s->own >= 0 && k < s->soften_count; k++)

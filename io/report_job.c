@@ -26,8 +26,8 @@ int calx_report_job_run(struct calx_report_job *job, const struct calx_report_re
 {
     struct calx_report_study *s = &job->study;
     struct calx_report_run made;
-    double deadline = job->begin + DEADLINE * s->options->budget - job->before,
-           begin = calx_terminal_clock();
+    double begin = calx_terminal_clock(),
+           deadline = job->beyond ? INFINITY : job->begin + DEADLINE * s->options->budget - job->before;
     *run = calx_report_store_find(&job->store, recipe, s->width);
     if (*run)
         return CALX_OK;

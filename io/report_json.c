@@ -57,6 +57,14 @@ static void print_verdict(const struct calx_report_job *job, const struct calx_r
     print_number("seconds", v->whole, f);
     print_number("own_step_finer_than_needed", v->own_factor, f);
     print_number("best_reached", v->reached, f);
+    const struct calx_report_again *again = &a->again[q];
+    if (again->seeds) {
+        fprintf(f, ", \"again\": {\"holds\": %s", again->holds ? "true" : "false");
+        print_number("seeds", (double)again->seeds, f);
+        print_number("error", again->mean, f);
+        print_number("confidence", again->confidence, f);
+        fputc('}', f);
+    }
     fputc('}', f);
 }
 
@@ -94,6 +102,7 @@ static void print_point(const struct calx_report_job *job, const struct calx_rep
     fprintf(f, ", \"status\": \"%s\"", r->runs || r->why[0] ? statuses[r->status] : "not run");
     print_number("dt", r->point->dt, f);
     print_number("heat_dt", r->point->heat_dt > 0 ? r->point->heat_dt : NAN, f);
+    print_number("tolerance", r->point->tolerance > 0 ? r->point->tolerance : NAN, f);
     print_number("stiffness_factor", r->point->stiffness, f);
     print_number("runs", (double)r->runs, f);
     print_number("steps", r->steps, f);
@@ -110,6 +119,19 @@ static void print_point(const struct calx_report_job *job, const struct calx_rep
             fputs(": null", f);
     }
     fputs("}}", f);
+}
+
+static void print_peer(const struct calx_report_job *job, const struct calx_report_peer *p, FILE *f)
+{
+    fputs("{\"name\": ", f);
+    print_string(p->name, f);
+    fputs(", \"quantity\": ", f);
+    print_string(job->study.quantities[p->quantity].name, f);
+    print_number("dt", p->dt, f);
+    print_number("error", p->error, f);
+    print_number("seconds", p->seconds, f);
+    print_number("evaluations", p->evaluations, f);
+    fputc('}', f);
 }
 
 void calx_report_print_json(const struct calx_report_job *job, const struct calx_report_analysis *a, FILE *f)
@@ -150,6 +172,11 @@ void calx_report_print_json(const struct calx_report_job *job, const struct calx
     for (size_t k = 0; k < a->count; k++) {
         fputs(k ? ", " : "", f);
         print_point(job, &a->results[k], f);
+    }
+    fputs("], \"peers\": [", f);
+    for (size_t k = 0; k < job->peer_count; k++) {
+        fputs(k ? ", " : "", f);
+        print_peer(job, &job->peers[k], f);
     }
     fputs("]}\n", f);
 }

@@ -21,7 +21,7 @@ bool calx_report_options_word(const char **list, char *word, size_t size)
 }
 
 /* "1e-6..1e-4", with or without units: "1 us..0.1 ms". */
-static int read_range(const char *option, const char *text, double *low, double *high,
+static int read_range(const char *option, const char *text, const char *unit, double *low, double *high,
                       struct calx_error *error)
 {
     struct calx_error why;
@@ -30,15 +30,15 @@ static int read_range(const char *option, const char *text, double *low, double 
     *low = *high = NAN;
     if (!dots || (size_t)(dots - text) >= sizeof first)
         return calx_error_set(error, CALX_ERROR_INPUT,
-                              "%s needs two steps with two points between, as in 1e-6..1e-4, not '%s'",
-                              option, text);
+                              "%s needs two %s with two points between, as in 1e-6..1e-4, not '%s'",
+                              option, *unit == 's' ? "steps" : "numbers", text);
     snprintf(first, sizeof first, "%.*s", (int)(dots - text), text);
-    if (calx_quantity_parse(first, "s", low, &why) || calx_quantity_parse(dots + 2, "s", high, &why))
+    if (calx_quantity_parse(first, unit, low, &why) || calx_quantity_parse(dots + 2, unit, high, &why))
         return calx_error_set(error, CALX_ERROR_INPUT, "%s: %.300s", option, why.text);
     if (*low > 0 && *low <= *high)
         return CALX_OK;
     return calx_error_set(error, CALX_ERROR_INPUT,
-                          "%s %s: expected a first step above 0 and not above the second", option, text);
+                          "%s %s: expected a first one above 0 and not above the second", option, text);
 }
 
 static int read_factors(struct calx_report_study *s, struct calx_error *error)
@@ -60,10 +60,12 @@ static int read_factors(struct calx_report_study *s, struct calx_error *error)
 int calx_report_options_read(struct calx_report_study *s, struct calx_error *error)
 {
     const struct calx_report_options *o = s->options;
-    s->low = s->high = s->heat_low = s->heat_high = NAN;
+    s->low = s->high = s->heat_low = s->heat_high = s->tight = s->loose = NAN;
     if (o->steps)
-        CALX_TRY(read_range("--steps", o->steps, &s->low, &s->high, error));
+        CALX_TRY(read_range("--steps", o->steps, "s", &s->low, &s->high, error));
     if (o->heat_steps)
-        CALX_TRY(read_range("--heat-steps", o->heat_steps, &s->heat_low, &s->heat_high, error));
+        CALX_TRY(read_range("--heat-steps", o->heat_steps, "s", &s->heat_low, &s->heat_high, error));
+    if (o->tolerances)
+        CALX_TRY(read_range("--tolerances", o->tolerances, "1", &s->tight, &s->loose, error));
     return read_factors(s, error);
 }

@@ -104,6 +104,8 @@ static void print_points(const struct calx_report_job *job, const struct calx_re
         *soft = '\0';
         if (r->point->stiffness != 1)
             snprintf(soft, sizeof soft, ", %.3g times softer", 1 / r->point->stiffness);
+        else if (r->point->tolerance > 0)
+            snprintf(soft, sizeof soft, ", tolerance %.0e", r->point->tolerance);
         else if (r->point->heat_dt > 0)
             snprintf(soft, sizeof soft, ", heat step %s", calx_report_step(r->point->heat_dt, time, sizeof time));
         fprintf(f, "| %s%s | %s | ", s->candidates[r->point->candidate].plugin->name, soft,
@@ -120,6 +122,51 @@ static void print_points(const struct calx_report_job *job, const struct calx_re
                 a->verdicts[q].best == r ? " **the verdict**" : "");
     }
     fputc('\n', f);
+}
+
+/* What other codes gave, beside which the picture shows them. */
+static void print_peers(const struct calx_report_job *job, const struct calx_report_analysis *a, size_t q, FILE *f)
+{
+    char step[32], error[32], time[32];
+    if (calx_report_points_curve(job, q, 0) == job->peer_count)
+        return;
+    fprintf(f, "Other codes, as %s says:\n\n| code | dt | error | evaluations | time |\n|---|---|---|---|---|\n",
+            basename(job->study.options->points));
+    for (size_t k = 0; k < job->peer_count; k++) {
+        const struct calx_report_peer *p = &job->peers[k];
+        if (p->quantity != q)
+            continue;
+        fprintf(f, "| %s | %s | %s | ", p->name, calx_report_step(p->dt, step, sizeof step),
+                calx_report_percent(p->error, a->scales[q].absolute, job->study.quantities[q].unit, error, sizeof error));
+        fprintf(f, isnan(p->evaluations) ? "- | " : "%.0f | ", p->evaluations);
+        fprintf(f, "%s |\n", isnan(p->seconds) ? "-" : calx_report_time(p->seconds, time, sizeof time));
+    }
+    fputc('\n', f);
+}
+
+/* Verdicts measured anew: what was promised, what came. */
+static void print_again(const struct calx_report_job *job, const struct calx_report_analysis *a, FILE *f)
+{
+    char promised[32], got[32], wide[32];
+    bool any = false;
+    for (size_t q = 0; q < job->study.quantity_count; q++) {
+        const struct calx_report_again *g = &a->again[q];
+        const char *unit = job->study.quantities[q].unit;
+        bool absolute = a->scales[q].absolute;
+        if (!g->seeds)
+            continue;
+        if (!any)
+            fprintf(f, "## Measured again\n\nThe same steps with %zu other seeds:\n\n"
+                       "| quantity | promised at most | came to | |\n|---|---|---|---|\n", g->seeds);
+        any = true;
+        fprintf(f, "| %s | %s | %s ± %s | %s |\n", job->study.quantities[q].name,
+                calx_report_percent(calx_report_upper(&job->plan, &a->verdicts[q].best->errors[q]), absolute, unit, promised,
+                                    sizeof promised),
+                calx_report_percent(g->mean, absolute, unit, got, sizeof got),
+                calx_report_percent(g->confidence, absolute, unit, wide, sizeof wide), g->holds ? "holds" : "**does not hold**");
+    }
+    if (any)
+        fputc('\n', f);
 }
 
 static void print_notes(const struct calx_report_job *job, const struct calx_report_analysis *a, FILE *f)
@@ -164,11 +211,12 @@ static void print_machine(const struct calx_report_job *job, FILE *f)
         evaluations += (double)job->store.runs[k].evaluations;
     }
     fprintf(f, "calx " CALX_VERSION ", %s. %zu runs, %.3g evaluations of all forces, %s of a budget of %s. "
-               "Times are counted evaluations times the median cost of an evaluation of each integrator; "
+               "Times are counted evaluations times the median cost of an evaluation of each integrator%s; "
                "costs that differ by less than 10 %% or their scatter count as equal in the verdict.\n",
             calx_report_machine(machine, sizeof machine), job->store.count, evaluations,
             calx_terminal_duration(seconds, spent, sizeof spent),
-            calx_terminal_duration(s->options->budget, budget, sizeof budget));
+            calx_terminal_duration(s->options->budget, budget, sizeof budget),
+            isnan(s->heat_low) && isnan(s->tight) ? "" : ", of other heat steps and tolerances the median of the clock");
 }
 
 /* A paragraph; the first one is bold. */
@@ -204,7 +252,9 @@ int calx_report_write_page(const struct calx_report_job *job, const struct calx_
         fprintf(f, "## %s\n\n", s->quantities[q].name);
         print_integrators(job, a, q, f);
         print_points(job, a, q, f);
+        print_peers(job, a, q, f);
     }
+    print_again(job, a, f);
     fputs("## Notes\n\n", f);
     print_notes(job, a, f);
     print_machine(job, f);

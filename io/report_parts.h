@@ -54,6 +54,7 @@ enum calx_report_status {
 struct calx_report_recipe {
     int candidate;
     double dt, heat_dt;        /* s; heat_dt 0: as the case says */
+    double tolerance;          /* of the solvers that have one; 0: as the case says */
     double stiffness, damping; /* factors on the case's */
     double perturb;            /* starts are moved by this share of the radius, at random */
     int draw;                  /* of random numbers */
@@ -109,6 +110,7 @@ struct calx_report_study {
     size_t bodies[CALX_REPORT_BODIES];
     double low, high;        /* s, of --steps; NaN */
     double heat_low, heat_high;
+    double tight, loose;     /* of --tolerances; NaN */
     size_t soften_count;
     double soften[CALX_REPORT_RANGE];
     uint64_t fingerprint;    /* of case, options and plugins */
@@ -143,6 +145,9 @@ struct calx_scene *calx_report_variant_create(const struct calx_report_study *,
                                               const struct calx_scene *,
                                               const struct calx_report_recipe *);
 void calx_report_variant_free(struct calx_scene *);
+
+/* Whether a solver that the recipe's candidate runs with, of motion or temperature, has a tolerance. */
+bool calx_report_variant_has_tolerance(const struct calx_report_study *, int candidate);
 
 /* report_fingerprint.c */
 int calx_report_fingerprint(struct calx_report_study *, struct calx_error *);
@@ -200,7 +205,7 @@ void calx_report_progress_end(struct calx_report_progress *);
 /* A point of the diagram: one integrator with one step, run `count` times with slightly different steps or other seeds. */
 struct calx_report_point {
     int candidate;
-    double dt, heat_dt, stiffness;
+    double dt, heat_dt, tolerance, stiffness;
     size_t first, count; /* in plan->recipes */
 };
 
@@ -218,6 +223,13 @@ struct calx_report_plan {
     struct calx_report_recipe *references; /* coarse to fine; with statistics one per seed */
 };
 
+/* A point that another code has measured (report_points.c). */
+struct calx_report_peer {
+    char name[64];
+    size_t quantity;
+    double dt, error, seconds, evaluations; /* the last two NaN if not given */
+};
+
 /* The whole at work. */
 struct calx_report_job {
     struct calx_report_study study;
@@ -228,7 +240,18 @@ struct calx_report_job {
     double begin;       /* s of the clock */
     double before;      /* s that an interrupted report has spent already */
     size_t skipped;     /* runs that the budget did not allow */
+    bool beyond;        /* the budget: runs are made whatever it says */
+    size_t peer_count;
+    struct calx_report_peer *peers;
 };
+
+/* report_points.c: reads --points, once the quantities are chosen. CALX_ERROR_INPUT names file, line and what was expected. */
+int calx_report_points_read(struct calx_report_job *, struct calx_error *);
+/* The peers of one name and quantity, one after the other: the index of the next peer that begins a curve, from `from` on; peer_count: none. */
+size_t calx_report_points_curve(const struct calx_report_job *, size_t quantity, size_t from);
+
+/* report_fit.c: the recipe of one seed of a point, or of one of its runs with steps that differ slightly. */
+struct calx_report_recipe calx_report_replica(const struct calx_report_job *, const struct calx_report_point *, int replica);
 
 /* report_job.c: runs the recipe unless the store has it. *run is NULL if there was no time left for it. */
 int calx_report_job_run(struct calx_report_job *, const struct calx_report_recipe *,
@@ -315,6 +338,13 @@ struct calx_report_verdict {
     size_t equals;     /* others that cost the same within the scatter */
 };
 
+/* A verdict measured again with other seeds. */
+struct calx_report_again {
+    size_t seeds;     /* 0: not done */
+    double mean, confidence; /* of the difference to the reference: its size, and half the width of its 95 % interval */
+    bool holds;       /* the mean is within what the verdict promised */
+};
+
 struct calx_report_analysis {
     size_t count;
     struct calx_report_result *results;
@@ -322,6 +352,8 @@ struct calx_report_analysis {
     struct calx_report_curve *curves; /* candidate-major: [candidate][quantity] */
     struct calx_report_verdict verdicts[CALX_REPORT_QUANTITIES];
     size_t seeds;
+    struct calx_report_again again[CALX_REPORT_QUANTITIES];
+    double pooled[CALX_REPORT_QUANTITIES]; /* see calx_report_pool() */
 };
 
 /* report_analysis.c */
@@ -340,9 +372,13 @@ void calx_report_truth_clear(struct calx_report_truth *);
 /* report_error.c: errors of one point in all quantities. */
 void calx_report_errors(const struct calx_report_job *, const struct calx_report_truth *,
                         const struct calx_report_analysis *, struct calx_report_result *);
+/* The standard deviation of differences over seeds that most points have, per quantity; room for as many numbers as points. */
+void calx_report_pool(const struct calx_report_job *, const struct calx_report_truth *, struct calx_report_analysis *, double *room);
 double calx_report_mean_of(const struct calx_report_study *, const struct calx_report_run *, size_t quantity);
 /* report_verdict.c */
 void calx_report_judge(const struct calx_report_job *, struct calx_report_analysis *);
+/* One of the ladder of steps: the case's stiffness, heat step and tolerance. */
+bool calx_report_is_plain(const struct calx_report_point *);
 /* The point of the plain ladder nearest to that step; NULL if it has none. */
 const struct calx_report_result *calx_report_nearest(const struct calx_report_analysis *, int candidate, double dt);
 double calx_report_upper(const struct calx_report_plan *, const struct calx_report_error *); /* what the verdict trusts */
@@ -354,6 +390,10 @@ struct calx_report_weighted { double value, weight; };
 double calx_report_weighted_quantile(struct calx_report_weighted *, size_t n, double share); /* reorders its input */
 /* Slope of a straight line through n points with its standard error. */
 double calx_report_slope(const double *x, const double *y, size_t n, double *error);
+
+/* report_again.c: measures each verdict again with --again other seeds; beyond the budget. Does nothing where errors are not of chance. */
+int calx_report_measure_again(struct calx_report_job *, const struct calx_report_analysis *, struct calx_report_again *,
+                              struct calx_error *);
 
 /* ---- output ---- */
 

@@ -17,6 +17,10 @@
 static const char *const colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#b8860b", "#7f3fbf",
                                       "#444444", "#8c564b", "#17becf"};
 static const int shapes[] = {7, 4, 8, 10, 12, 5, 6, 9, 11, 13};
+/* Other codes: dashed, in shades that no integrator has. */
+static const char *const peer_colours[] = {"#000000", "#777777", "#aa7744"};
+static const int peer_shapes[] = {3, 1, 2};
+enum { PEERS = sizeof peer_shapes / sizeof *peer_shapes };
 enum { STYLES = sizeof colours / sizeof *colours, PANELS = 4 };
 
 /* ---- limits of the picture ---- */
@@ -58,6 +62,15 @@ static struct frame frame_of(const struct calx_report_job *job, const struct cal
             f.high = fmax(f.high, y);
         }
     }
+    for (size_t k = 0; k < job->peer_count; k++) {
+        const struct calx_report_peer *p = &job->peers[k];
+        if (p->quantity != q || !(p->seconds > 0))
+            continue;
+        f.left = fmin(f.left, p->seconds);
+        f.right = fmax(f.right, p->seconds);
+        f.low = fmin(f.low, p->error);
+        f.high = fmax(f.high, fmin(p->error, 3));
+    }
     f.low = fmax(f.low, 1e-16) / 2;
     f.high = pow(10, ceil(log10(f.high * 2)));
     f.left /= 1.6;
@@ -73,11 +86,25 @@ static void print_curve(const struct calx_report_job *job, const struct calx_rep
     fprintf(f, "$c%zuq%zu << EOD\n", c, q);
     for (size_t k = 0; k < a->count; k++) {
         const struct calx_report_result *r = &a->results[k];
-        if (r->point->candidate != (int)c || !seen(r, q) || r->point->stiffness != 1 || r->point->heat_dt > 0)
+        if (r->point->candidate != (int)c || !seen(r, q) || !calx_report_is_plain(r->point))
             continue;
         fprintf(f, "%.6g %.6g\n", seconds_of(job, r), height_of(job, r, q));
     }
     fputs("EOD\n", f);
+}
+
+/* One after the other, as the file has them; without seconds there is no place for them. */
+static void print_peers(const struct calx_report_job *job, size_t q, FILE *f)
+{
+    for (size_t first = calx_report_points_curve(job, q, 0); first < job->peer_count;
+         first = calx_report_points_curve(job, q, first + 1)) {
+        fprintf(f, "$peer%zuq%zu << EOD\n", first, q);
+        for (size_t k = first; k < job->peer_count; k++)
+            if (job->peers[k].quantity == q && strcmp(job->peers[k].name, job->peers[first].name) == 0 &&
+                job->peers[k].seconds > 0)
+                fprintf(f, "%.6g %.6g\n", job->peers[k].seconds, fmax(job->peers[k].error, 1e-16));
+        fputs("EOD\n", f);
+    }
 }
 
 struct marks {
@@ -91,7 +118,7 @@ static struct marks print_marks(const struct calx_report_job *job, const struct 
     struct marks marks = {0, 0};
     fprintf(f, "$other%zu << EOD\n", q);
     for (size_t k = 0; k < a->count; k++)
-        if (seen(&a->results[k], q) && (a->results[k].point->stiffness != 1 || a->results[k].point->heat_dt > 0))
+        if (seen(&a->results[k], q) && !calx_report_is_plain(a->results[k].point))
             fprintf(f, "%.6g %.6g\n", a->results[k].seconds, height_of(job, &a->results[k], q));
     fprintf(f, "EOD\n$front%zu << EOD\n", q);
     for (size_t k = 0; k < a->count; k++)
@@ -168,7 +195,7 @@ static size_t curve_length(const struct calx_report_analysis *a, size_t q, size_
     size_t n = 0;
     for (size_t k = 0; k < a->count; k++)
         n += a->results[k].point->candidate == (int)c && seen(&a->results[k], q) &&
-             a->results[k].point->stiffness == 1 && !(a->results[k].point->heat_dt > 0);
+             calx_report_is_plain(a->results[k].point);
     return n;
 }
 
@@ -180,7 +207,7 @@ static void print_orders(const struct calx_report_job *job, const struct calx_re
         const struct calx_report_curve *curve = &a->curves[c * s->quantity_count + q];
         const struct calx_report_result *last = NULL;
         for (size_t k = 0; k < a->count; k++)
-            if (a->results[k].point->candidate == (int)c && seen(&a->results[k], q) && a->results[k].point->stiffness == 1)
+            if (a->results[k].point->candidate == (int)c && seen(&a->results[k], q) && calx_report_is_plain(a->results[k].point))
                 last = &a->results[k];
         if (last && !isnan(curve->order))
             fprintf(f, "set label %zu \"%.1f\" at %.6g,%.6g offset 0.9,0 tc rgb '%s' font ',12' front\n", 10 + c,
@@ -198,9 +225,12 @@ static void print_plot(const struct calx_report_job *job, const struct calx_repo
     if (failed)
         fprintf(f, ", \\\n  $edge%zu using 1:2:3 with points pt 2 ps 1.3 lw 2 lc rgb variable "
                    "title \"unstable, or no digit right\"", q);
-    if (s->soften_count || !isnan(s->heat_low))
+    if (s->soften_count || !isnan(s->heat_low) || !isnan(s->tight))
         fprintf(f, ", \\\n  $other%zu using 1:2 with points pt 2 ps 1 lc rgb '#777777' title \"%s\"", q,
-                s->soften_count ? "softer contacts" : "other heat steps");
+                s->soften_count ? "softer contacts" : !isnan(s->tight) ? "other tolerances" : "other heat steps");
+    for (size_t k = calx_report_points_curve(job, q, 0), n = 0; k < job->peer_count; k = calx_report_points_curve(job, q, k + 1), n++)
+        fprintf(f, ", \\\n  $peer%zuq%zu using 1:2 with linespoints pt %d ps 1.3 dt 2 lw 1.6 lc rgb '%s' title \"%s\"", k, q,
+                peer_shapes[n % PEERS], peer_colours[n % PEERS], job->peers[k].name);
     for (size_t c = s->candidate_count; c-- > 0;) {
         const struct calx_report_curve *curve = &a->curves[c * s->quantity_count + q];
         const char *colour = colours[c % STYLES];
@@ -220,6 +250,7 @@ static void print_panel(const struct calx_report_job *job, const struct calx_rep
     struct frame frame = frame_of(job, a, q);
     for (size_t c = 0; c < job->study.candidate_count; c++)
         print_curve(job, a, q, c, f);
+    print_peers(job, q, f);
     const struct marks marks = print_marks(job, a, q, &frame, f);
     fputs("unset label\nunset arrow\n", f);
     print_axes(job, a, q, &frame, f);

@@ -54,6 +54,8 @@ static int add_named(struct calx_report_study *s, const char *name, struct calx_
     CALX_TRY(calx_measure_resolve(s->run.scene, name, &q.probe, error));
     snprintf(q.name, sizeof q.name, "%.63s", name);
     snprintf(q.unit, sizeof q.unit, "%.31s", calx_measure_find(q.probe.quantity)->unit);
+    if (calx_measure_is_peak(&q.probe))
+        calx_sim_watch_peak(s->run.sim);
     bool later = calx_measure_has_classes(&q.probe) && q.probe.stage > 0; /* a number from that stage on */
     if (!later && isnan(calx_sim_measure(s->run.sim, &q.probe)))
         return calx_error_set(error, CALX_ERROR_INPUT, "--quantity %s: does not exist in this case", name);

@@ -69,7 +69,8 @@ static double processor_clock(const struct calx_sim *sim)
 static int go_to(struct calx_sim *sim, double instant, double deadline, struct calx_report_run *run,
                  struct calx_error *error)
 {
-    double begin = calx_terminal_clock(), busy = processor_clock(sim), slack = 1e-6 * calx_sim_dt(sim);
+    double begin = calx_terminal_clock(), busy = processor_clock(sim), slack = 1e-6 * calx_sim_dt(sim),
+           looked = calx_sim_peak_seconds(sim);
     while (!calx_sim_done(sim) && calx_sim_time(sim) < instant - slack) {
         double left = (instant - slack - calx_sim_time(sim)) / calx_sim_dt(sim);
         int64_t made, quiet = left > AT_ONCE ? AT_ONCE : (int64_t)left;
@@ -79,9 +80,9 @@ static int go_to(struct calx_sim *sim, double instant, double deadline, struct c
         if (calx_terminal_clock() > deadline)
             return calx_error_set(error, CALX_ERROR_INPUT, "out of time");
     }
-    double wall = calx_terminal_clock() - begin;
+    double wall = calx_terminal_clock() - begin, looks = calx_sim_peak_seconds(sim) - looked;
     run->wall += wall;
-    run->seconds += fmin(wall, processor_clock(sim) - busy);
+    run->seconds += fmax(0, fmin(wall, processor_clock(sim) - busy) - looks);
     return CALX_OK;
 }
 
@@ -92,6 +93,9 @@ static int run_through(const struct calx_report_study *s, struct calx_sim *sim, 
     const struct calx_report_recipe *r = &run->recipe;
     int64_t begin = calx_sim_evaluation_count(sim);
     int code = CALX_OK;
+    for (size_t q = 0; q < s->quantity_count; q++)
+        if (s->quantities[q].form == CALX_REPORT_NUMBER && calx_measure_is_peak(&s->quantities[q].probe))
+            calx_sim_watch_peak(sim);
     for (int k = 1; k <= r->samples && !code && run->status == CALX_REPORT_GOOD; k++) {
         double instant = r->window * k / r->samples;
         int64_t before = calx_sim_step_count(sim);

@@ -162,7 +162,7 @@ void calx_report_store_close(struct calx_report_store *store)
 
 static bool same_recipe(const struct calx_report_recipe *a, const struct calx_report_recipe *b)
 {
-    return a->candidate == b->candidate && a->dt == b->dt && a->heat_dt == b->heat_dt &&
+    return a->candidate == b->candidate && a->dt == b->dt && a->heat_dt == b->heat_dt && a->tolerance == b->tolerance &&
            a->stiffness == b->stiffness && a->damping == b->damping && a->perturb == b->perturb &&
            a->draw == b->draw && a->forced == b->forced && a->window == b->window && a->samples == b->samples;
 }

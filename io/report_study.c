@@ -114,6 +114,15 @@ static double stages_of(const struct calx_report_study *s, const struct calx_plu
     return law && law->stages ? law->stages : law ? 4 : 1;
 }
 
+/* An adaptive integrator gives all bodies the sub-step of the one that needs the shortest: with many there is always one. It is taken then
+ * only if it is asked for. */
+static bool is_hopeless(const struct calx_report_study *s, const struct calx_plugin *plugin)
+{
+    enum { MANY = 20 };
+    const struct calx_motion_integrator *law = s->axis == CALX_MOTION ? plugin->law : NULL;
+    return law && !law->stages && !law->solves_impulses && s->particles > MANY;
+}
+
 static int find_candidates(struct calx_report_study *s, struct calx_error *error)
 {
     const struct calx_scene *scene = s->run.scene;
@@ -126,7 +135,7 @@ static int find_candidates(struct calx_report_study *s, struct calx_error *error
     for (size_t k = 0; k < count; k++) {
         const struct calx_plugin *plugin = calx_registry_at(s->run.registry, k);
         bool mine = own && strcmp(own->plugin, plugin->name) == 0;
-        if (plugin->kind != s->axis ||
+        if (plugin->kind != s->axis || (!mine && !s->options->integrators && is_hopeless(s, plugin)) ||
             (s->options->integrators && !is_named(s->options->integrators, plugin->name)))
             continue;
         s->candidates[s->candidate_count++] =
@@ -196,6 +205,14 @@ static int find_limits(struct calx_report_study *s, struct calx_error *error)
         return CALX_OK;
     return calx_error_set(error, CALX_ERROR_INPUT, "no integrator fits this case%s%s",
                           s->candidate_count ? ": " : "", s->candidate_count ? s->candidates[0].refused : "");
+}
+
+static int check_tolerances(const struct calx_report_study *s, struct calx_error *error)
+{
+    bool any = isnan(s->tight);
+    for (size_t c = 0; c < s->candidate_count; c++)
+        any |= !s->candidates[c].refused[0] && calx_report_variant_has_tolerance(s, (int)c);
+    return any ? CALX_OK : calx_error_set(error, CALX_ERROR_INPUT, "--tolerances: no integrator of this report has a tolerance");
 }
 
 /* ---- draws ---- */
@@ -282,6 +299,7 @@ int calx_report_study_open(struct calx_report_study *s, const struct calx_report
     look_at_particles(s);
     CALX_TRY(find_candidates(s, error));
     CALX_TRY(find_limits(s, error));
+    CALX_TRY(check_tolerances(s, error));
     return look_at_draws(s, error);
 }
 

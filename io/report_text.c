@@ -149,6 +149,8 @@ void calx_report_print_verdict(const struct calx_report_job *job, const struct c
         fprintf(file, " and a heat step of %s", calx_report_step(p->heat_dt, time, sizeof time));
     if (p->stiffness != 1)
         fprintf(file, " and contacts %.3g times softer", 1 / p->stiffness);
+    if (p->tolerance > 0)
+        fprintf(file, " and a tolerance of %.0e", p->tolerance);
     bool whole = !isnan(v->whole);
     fprintf(file, ": %s%s, error %s%s.",
             calx_report_time(whole ? v->whole : v->best->seconds, time, sizeof time),

@@ -62,7 +62,7 @@ static void *copy_of(const void *from, size_t count, size_t size)
 /* ---- models ---- */
 
 /* Another integrator of the kind takes its own defaults; the case's keeps what the case says. */
-static bool take_integrator(struct calx_models *models, const struct calx_plugin *plugin)
+static void take_integrator(struct calx_models *models, const struct calx_plugin *plugin)
 {
     for (size_t k = 0; k < models->count; k++) {
         struct calx_model *m = &models->list[k];
@@ -71,7 +71,6 @@ static bool take_integrator(struct calx_models *models, const struct calx_plugin
         m->value_count = 0;
         snprintf(m->plugin, sizeof m->plugin, "%.47s", plugin->name);
     }
-    return true;
 }
 
 static void take_steps(struct calx_models *models, const struct calx_report_study *s,
@@ -86,6 +85,49 @@ static void take_steps(struct calx_models *models, const struct calx_report_stud
     models->forced = r->forced;
 }
 
+/* ---- tolerances ---- */
+
+static const char tolerance[] = "tolerance";
+
+static bool has_tolerance(const struct calx_report_study *s, enum calx_kind kind, const char *plugin)
+{
+    struct calx_error unused;
+    const struct calx_plugin *p = calx_registry_find(s->run.registry, kind, plugin, &unused);
+    return (kind == CALX_MOTION || kind == CALX_TEMPERATURE) && p && calx_plugin_parameter(p, tolerance);
+}
+
+bool calx_report_variant_has_tolerance(const struct calx_report_study *s, int candidate)
+{
+    const struct calx_models *models = &s->run.scene->models[s->run.scene->stages[0].models];
+    bool has = has_tolerance(s, s->axis, s->candidates[candidate].plugin->name);
+    for (size_t k = 0; k < models->count; k++)
+        has |= models->list[k].kind != s->axis && has_tolerance(s, models->list[k].kind, models->list[k].plugin);
+    return has;
+}
+
+/* Values, and room for one more. */
+static struct calx_value *with_room(const struct calx_value *values, size_t count)
+{
+    struct calx_value *copy = calloc(count + 1, sizeof *copy);
+    return copy && count ? memcpy(copy, values, count * sizeof *copy) : copy;
+}
+
+/* There is room for one more value. */
+static void take_tolerance(const struct calx_report_study *s, struct calx_model *m, double value)
+{
+    if (!(value > 0) || !has_tolerance(s, m->kind, m->plugin))
+        return;
+    struct calx_value *v = m->values;
+    while (v < m->values + m->value_count && strcmp(v->name, tolerance))
+        v++;
+    if (v == m->values + m->value_count) {
+        m->value_count++;
+        *v = (struct calx_value){.pair = {-1, -1}, .place = m->place};
+        snprintf(v->name, sizeof v->name, "%s", tolerance);
+    }
+    v->value = value;
+}
+
 static bool vary_models(struct calx_models *models, const struct calx_report_study *s,
                         const struct calx_report_recipe *r)
 {
@@ -94,7 +136,7 @@ static bool vary_models(struct calx_models *models, const struct calx_report_stu
         return false;
     for (size_t k = 0; k < models->count; k++) {
         struct calx_model *m = &models->list[k];
-        m->values = copy_of(m->values, m->value_count, sizeof *m->values);
+        m->values = with_room(m->values, m->value_count);
         if (!m->values) {
             models->count = k;
             return false;
@@ -103,7 +145,10 @@ static bool vary_models(struct calx_models *models, const struct calx_report_stu
             scale_values(m->values, m->value_count, r);
     }
     take_steps(models, s, r);
-    return take_integrator(models, s->candidates[r->candidate].plugin);
+    take_integrator(models, s->candidates[r->candidate].plugin);
+    for (size_t k = 0; k < models->count; k++)
+        take_tolerance(s, &models->list[k], r->tolerance);
+    return true;
 }
 
 static bool vary_materials(struct calx_scene *scene, const struct calx_report_recipe *r)

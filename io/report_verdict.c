@@ -22,13 +22,20 @@ double calx_report_upper(const struct calx_report_plan *plan, const struct calx_
 
 static bool same_ladder(const struct calx_report_point *a, const struct calx_report_point *b)
 {
-    bool heat = a->heat_dt > 0 && b->heat_dt > 0 && a->dt == b->dt;
-    return a->candidate == b->candidate && a->stiffness == b->stiffness && (heat || a->heat_dt == b->heat_dt);
+    bool heat = a->heat_dt > 0 && b->heat_dt > 0 && a->dt == b->dt, tolerance = a->tolerance > 0 && b->tolerance > 0;
+    return a->candidate == b->candidate && a->stiffness == b->stiffness && (heat || a->heat_dt == b->heat_dt) &&
+           (tolerance || a->tolerance == b->tolerance);
 }
 
+bool calx_report_is_plain(const struct calx_report_point *p)
+{
+    return p->stiffness == 1 && p->heat_dt == 0 && p->tolerance == 0;
+}
+
+/* What gets smaller along a ladder. */
 static double step_of(const struct calx_report_point *p)
 {
-    return p->heat_dt > 0 ? p->heat_dt : p->dt;
+    return p->tolerance > 0 ? p->tolerance : p->heat_dt > 0 ? p->heat_dt : p->dt;
 }
 
 /* calx run would take the step. */
@@ -91,7 +98,7 @@ static const struct calx_report_result *cheapest(const struct calx_report_job *j
     const struct calx_report_result *best = NULL;
     for (size_t k = 0; k < a->count; k++) {
         const struct calx_report_result *r = &a->results[k];
-        bool wanted = candidate < 0 || (r->point->candidate == candidate && r->point->stiffness == 1);
+        bool wanted = candidate < 0 || (r->point->candidate == candidate && r->point->stiffness == 1 && r->point->tolerance == 0);
         if (wanted && holds(job, a, r, q) && (!best || r->seconds < best->seconds))
             best = r;
     }
@@ -139,7 +146,7 @@ const struct calx_report_result *calx_report_nearest(const struct calx_report_an
     const struct calx_report_result *best = NULL;
     for (size_t k = 0; k < a->count; k++) {
         const struct calx_report_result *r = &a->results[k];
-        if (r->point->candidate == candidate && r->point->stiffness == 1 && r->point->heat_dt == 0 && r->runs &&
+        if (r->point->candidate == candidate && calx_report_is_plain(r->point) && r->runs &&
             (!best || fabs(log(r->point->dt / dt)) < fabs(log(best->point->dt / dt))))
             best = r;
     }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * Contact law "mindlin": tangential force of elastic spheres without partial slip, with friction.
- * The spring force s is history and grows by increments, ds = -kt w dt with kt = 8 G* sqrt(R* d);
+ * The spring force s is history and grows by increments, ds = -kt w dt with kt = 8 G* sqrt(R* d), its
+ * mean over the increment: with that of the end, law and integrator together would be of first order;
  * it is not rescaled when the overlap changes. The force is s - ct w, at most mu times the normal
  * force. While it sticks, w is the tangential velocity vt; when it slips, w is what brings spring
  * and damper together to the limit, and vt - w is the slip. Reference: Mindlin, J. Appl. Mech. 16
@@ -89,9 +90,11 @@ static inline double damping(const struct mindlin *p, double kt, double mass)
     return p->root * sqrt(kt * mass);
 }
 
-/* s: spring, h: force, e: energy stored, all of the evaluation before. */
+/* s: spring, h: force, e: energy stored, all of the evaluation before. Over the increment the overlap goes from `began` to d at a steady
+ * pace: the mean of its root is (2/3) (d^(3/2) - began^(3/2))/(d - began), in which nothing cancels as it is written here; of a contact
+ * that is new, only the share of the time in which the bodies touch counts. */
 CALX_KERNEL static void rub(size_t n, struct mindlin p, double dt, const double *restrict overlap,
-                            const double *restrict vx, const double *restrict vy,
+                            const double *restrict vn, const double *restrict vx, const double *restrict vy,
                             const double *restrict vz, const double *restrict mass,
                             const double *restrict k1, const double *restrict k2,
                             const double *restrict normal_force, double *restrict fx,
@@ -101,8 +104,12 @@ CALX_KERNEL static void rub(size_t n, struct mindlin p, double dt, const double 
                             double *restrict e)
 {
     for (size_t c = 0; c < n; c++) {
-        double kt = stiffness(&p, overlap[c], k1[c], k2[c]), ct = damping(&p, kt, mass[c]);
-        double pace = kt * dt + ct, part = ct > 0 ? kt * dt / pace : 1;
+        double d = overlap[c] > 0 ? overlap[c] : 0, before = d + dt * vn[c], began = before > 0 ? before : 0;
+        double shape = p.modulus / sqrt(k1[c] + k2[c]), now = sqrt(d), then = sqrt(began);
+        double kt = shape * now, ct = damping(&p, kt, mass[c]);
+        double touched = before < 0 ? d / (d - before) : 1;
+        double mean = d > 0 ? shape * touched * (d + now * then + began) / (1.5 * (now + then)) : 0;
+        double pace = mean * dt + ct, part = ct > 0 ? mean * dt / pace : 1;
         double x = sx[c] - pace * vx[c], y = sy[c] - pace * vy[c], z = sz[c] - pace * vz[c];
         double limit = kt > 0 ? p.friction * fabs(normal_force[c]) : 0, f2 = x * x + y * y + z * z;
         double share = f2 > limit * limit ? limit / sqrt(f2) : 1;
@@ -128,7 +135,7 @@ static void force(const void *params, const struct calx_contacts *b)
         memcpy(copy[k], s[k], n * sizeof(double));
     double *h[] = {p->root > 0 ? s[3] : copy[0], p->root > 0 ? s[4] : copy[1],
                    p->root > 0 ? s[5] : copy[2]};
-    rub(n, *p, b->dt, b->overlap, b->vt[0], b->vt[1], b->vt[2], b->mass, b->curvature[0],
+    rub(n, *p, b->dt, b->overlap, b->vn, b->vt[0], b->vt[1], b->vt[2], b->mass, b->curvature[0],
         b->curvature[1], b->coulomb, b->ft[0], b->ft[1], b->ft[2], b->work, s[0], s[1], s[2], h[0],
         h[1], h[2], s[p->root > 0 ? 6 : 3]);
 }

@@ -49,56 +49,126 @@ static const struct calx_parameter parameters[] = {
 
 /* ---- a step ---- */
 
-static const double pascal[MOST + 1][MOST + 1] = {{1, 1, 1, 1, 1, 1},  {0, 1, 2, 3, 4, 5},
-                                                  {0, 0, 1, 3, 6, 10}, {0, 0, 0, 1, 4, 10},
-                                                  {0, 0, 0, 0, 1, 5},  {0, 0, 0, 0, 0, 1}};
+/* Row m of extra state holds r_(m+2); rows that an order does not keep are NULL, and left alone as q is a constant wherever these are
+ * inlined. Lanes without a step have derivatives of 0, which change nothing; inverse: 1/dt, 0 there. Positions go first, by what the
+ * others are then. */
+#define ALWAYS static inline __attribute__((always_inline))
 
-/* Row m of extra state holds r_(m+2). v: where r_1/dt is, x: where r_0 is, or NULL. */
-static inline void predict(const struct gear *p, const struct calx_rows *r, size_t i, size_t k)
+ALWAYS void predict_place(size_t q, size_t n, size_t stride, const double *restrict dt, double *restrict x, const double *restrict v,
+                          const double *restrict r2, const double *restrict r3, const double *restrict r4, const double *restrict r5)
 {
-    double d[MOST + 1] = {0}, dt = r->dt[k], way = 0;
-    double *v = &r->v[i * r->stride + k];
-    d[1] = *v * dt;
-    for (size_t m = 2; m <= p->q; m++)
-        d[m] = r->extra[m - 2][4 * i + k];
-    for (size_t m = 1; m <= p->q; m++)
-        way += d[m];
-    for (size_t j = 2; j <= p->q; j++)
-        *v += (double)j * d[j] / dt;
-    for (size_t m = 2; m <= p->q; m++) {
-        double sum = 0;
-        for (size_t j = m; j <= p->q; j++)
-            sum += pascal[m][j] * d[j];
-        r->extra[m - 2][4 * i + k] = sum;
-    }
-    if (r->x)
-        r->x[4 * i + k] += way;
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 4; k++) {
+            size_t at = 4 * i + k;
+            x[at] += v[i * stride + k] * dt[k] + r2[at] + r3[at] + (q > 3 ? r4[at] : 0) + (q > 4 ? r5[at] : 0);
+        }
 }
 
-static inline void correct(const struct gear *p, const struct calx_rows *r, size_t i, size_t k)
+ALWAYS void predict_rest(size_t q, size_t n, size_t stride, const double *restrict inverse, double *restrict v, double *restrict r2,
+                         double *restrict r3, double *restrict r4, double *restrict r5)
 {
-    double dt = r->dt[k], off = 0.5 * dt * dt * r->a[i * r->stride + k] - r->extra[0][4 * i + k];
-    if (r->x)
-        r->x[4 * i + k] += p->alpha[0] * off;
-    r->v[i * r->stride + k] += p->alpha[1] * off / dt;
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 4; k++) {
+            size_t at = 4 * i + k;
+            double d2 = r2[at], d3 = r3[at], d4 = q > 3 ? r4[at] : 0, d5 = q > 4 ? r5[at] : 0;
+            v[i * stride + k] += (2 * d2 + 3 * d3 + 4 * d4 + 5 * d5) * inverse[k];
+            r2[at] = d2 + 3 * d3 + 6 * d4 + 10 * d5;
+            r3[at] = d3 + 4 * d4 + 10 * d5;
+            if (q > 3)
+                r4[at] = d4 + 5 * d5;
+        }
+}
+
+ALWAYS void correct_rest(size_t q, size_t n, size_t stride, const double *restrict alpha, const double *restrict dt,
+                         const double *restrict inverse, double *restrict v, const double *restrict a, double *restrict r2,
+                         double *restrict r3, double *restrict r4, double *restrict r5)
+{
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 4; k++) {
+            size_t at = 4 * i + k;
+            double off = 0.5 * dt[k] * dt[k] * a[i * stride + k] - r2[at];
+            v[i * stride + k] += alpha[1] * off * inverse[k];
+            r2[at] += alpha[2] * off;
+            r3[at] += alpha[3] * off;
+            if (q > 3)
+                r4[at] += alpha[4] * off;
+            if (q > 4)
+                r5[at] += alpha[5] * off;
+        }
+}
+
+CALX_KERNEL static void correct_place(size_t n, size_t stride, double alpha, const double *restrict dt, double *restrict x,
+                                      const double *restrict a, const double *restrict r2)
+{
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 4; k++)
+            x[4 * i + k] += alpha * (0.5 * dt[k] * dt[k] * a[i * stride + k] - r2[4 * i + k]);
+}
+
+/* The kernels of one order. */
+#define KERNELS(q)                                                                                                                     \
+    CALX_KERNEL static void predict_place_##q(size_t n, size_t stride, const double *restrict dt, double *restrict x,                  \
+                                              const double *restrict v, const double *restrict r2, const double *restrict r3,         \
+                                              const double *restrict r4, const double *restrict r5)                                   \
+    {                                                                                                                                  \
+        predict_place(q, n, stride, dt, x, v, r2, r3, r4, r5);                                                                         \
+    }                                                                                                                                  \
+    CALX_KERNEL static void predict_rest_##q(size_t n, size_t stride, const double *restrict inverse, double *restrict v,              \
+                                             double *restrict r2, double *restrict r3, double *restrict r4, double *restrict r5)       \
+    {                                                                                                                                  \
+        predict_rest(q, n, stride, inverse, v, r2, r3, r4, r5);                                                                        \
+    }                                                                                                                                  \
+    CALX_KERNEL static void correct_rest_##q(size_t n, size_t stride, const double *restrict alpha, const double *restrict dt,         \
+                                             const double *restrict inverse, double *restrict v, const double *restrict a,            \
+                                             double *restrict r2, double *restrict r3, double *restrict r4, double *restrict r5)       \
+    {                                                                                                                                  \
+        correct_rest(q, n, stride, alpha, dt, inverse, v, a, r2, r3, r4, r5);                                                          \
+    }
+KERNELS(3)
+KERNELS(4)
+KERNELS(5)
+
+static const struct {
+    void (*predict_place)(size_t, size_t, const double *, double *, const double *, const double *, const double *, const double *,
+                          const double *);
+    void (*predict_rest)(size_t, size_t, const double *, double *, double *, double *, double *, double *);
+    void (*correct_rest)(size_t, size_t, const double *, const double *, const double *, double *, const double *, double *, double *,
+                         double *, double *);
+} kernels[] = {{predict_place_3, predict_rest_3, correct_rest_3},
+               {predict_place_4, predict_rest_4, correct_rest_4},
+               {predict_place_5, predict_rest_5, correct_rest_5}};
+
+/* Rows of derivatives up to the order; NULL for those that it does not keep. */
+struct derivatives {
+    double *r[4], inverse[4];
+};
+
+static struct derivatives derivatives_of(const struct gear *p, const struct calx_rows *r)
+{
+    struct derivatives d = {{NULL}, {0}};
     for (size_t m = 2; m <= p->q; m++)
-        r->extra[m - 2][4 * i + k] += p->alpha[m] * off;
+        d.r[m - 2] = r->extra[m - 2];
+    for (size_t k = 0; k < 4; k++)
+        d.inverse[k] = r->dt[k] > 0 ? 1 / r->dt[k] : 0;
+    return d;
 }
 
 static void before(const void *params, const struct calx_rows *r)
 {
-    for (size_t i = 0; i < r->n; i++)
-        for (size_t k = 0; k < 3; k++)
-            if (r->dt[k] > 0)
-                predict(params, r, i, k);
+    const struct gear *p = params;
+    const struct derivatives d = derivatives_of(p, r);
+    if (r->x)
+        kernels[p->q - LEAST].predict_place(r->n, r->stride, r->dt, r->x, r->v, d.r[0], d.r[1], d.r[2], d.r[3]);
+    kernels[p->q - LEAST].predict_rest(r->n, r->stride, d.inverse, r->v, d.r[0], d.r[1], d.r[2], d.r[3]);
 }
 
 static void after(const void *params, const struct calx_rows *r)
 {
-    for (size_t i = 0; i < r->n; i++)
-        for (size_t k = 0; k < 3; k++)
-            if (r->dt[k] > 0)
-                correct(params, r, i, k);
+    const struct gear *p = params;
+    const struct derivatives d = derivatives_of(p, r);
+    if (r->x)
+        correct_place(r->n, r->stride, p->alpha[0], r->dt, r->x, r->a, d.r[0]);
+    kernels[p->q - LEAST].correct_rest(r->n, r->stride, p->alpha, r->dt, d.inverse, r->v, r->a, d.r[0], d.r[1], d.r[2], d.r[3]);
 }
 
 /* ---- the start ---- */

@@ -9,45 +9,61 @@
  */
 #include "core/plugin.h"
 
-enum { START, DISPLACEMENT, VELOCITIES, ACCELERATIONS };
+enum { START, ACCELERATIONS, DISPLACEMENT, VELOCITIES }; /* of spins the first two */
 
 /* Of the derivatives k1 .. k4: weight in the sum, and how far along them the next trial is. */
 static const double weight[] = {1. / 6, 1. / 3, 1. / 3, 1. / 6}, reach[] = {1. / 2, 1. / 2, 1, 0};
 
-/* v and a are the derivatives number `stage`: adds them, and goes to the next trial or the end. */
-static inline void go(const struct calx_rows *r, size_t i, size_t k)
+/* v and a are the derivatives number `stage`: adds them, and goes to the next trial or the end; first positions, by the velocities that there
+ * are, then these. Lanes without a step stay. */
+CALX_KERNEL static void gain(size_t n, size_t stride, size_t stage, const double *restrict dt, double *restrict v,
+                             const double *restrict a, double *restrict start, double *restrict accelerations)
 {
-    size_t at = 4 * i + k;
-    double dt = r->dt[k], v = r->v[i * r->stride + k], a = r->a[i * r->stride + k];
-    double first = r->stage == 0 ? 0 : 1, last = r->stage == 3 ? 1 : 0;
-    double start = r->stage == 0 ? v : r->extra[START][at];
-    double sum_v = first * r->extra[VELOCITIES][at] + weight[r->stage] * v;
-    double sum_a = first * r->extra[ACCELERATIONS][at] + weight[r->stage] * a;
-    double way = dt * (last * sum_v + reach[r->stage] * v);
-    if (r->x)
-        r->x[at] += way - first * r->extra[DISPLACEMENT][at];
-    r->v[i * r->stride + k] = start + dt * (last * sum_a + reach[r->stage] * a);
-    r->extra[START][at] = start;
-    r->extra[DISPLACEMENT][at] = way;
-    r->extra[VELOCITIES][at] = sum_v;
-    r->extra[ACCELERATIONS][at] = sum_a;
+    double first = stage == 0 ? 0 : 1, last = stage == 3 ? 1 : 0, share = weight[stage], far = reach[stage];
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 4; k++) {
+            double now = v[i * stride + k], began = first > 0 ? start[4 * i + k] : now;
+            double sum = first * accelerations[4 * i + k] + share * a[i * stride + k];
+            double next = began + dt[k] * (last * sum + far * a[i * stride + k]);
+            v[i * stride + k] = dt[k] > 0 ? next : now;
+            start[4 * i + k] = began;
+            accelerations[4 * i + k] = sum;
+        }
 }
 
-static void before(const void *params, const struct calx_rows *r)
+CALX_KERNEL static void go(size_t n, size_t stride, size_t stage, const double *restrict dt, double *restrict x,
+                           const double *restrict v, double *restrict displacement, double *restrict velocities)
+{
+    double first = stage == 0 ? 0 : 1, last = stage == 3 ? 1 : 0, share = weight[stage], far = reach[stage];
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 4; k++) {
+            double sum = first * velocities[4 * i + k] + share * v[i * stride + k];
+            double way = dt[k] * (last * sum + far * v[i * stride + k]);
+            x[4 * i + k] += way - first * displacement[4 * i + k];
+            displacement[4 * i + k] = way;
+            velocities[4 * i + k] = sum;
+        }
+}
+
+static void turn(const void *params, const struct calx_rows *r)
 {
     (void)params;
-    for (size_t i = 0; i < r->n; i++)
-        for (size_t k = 0; k < 3; k++)
-            if (r->dt[k] > 0)
-                go(r, i, k);
+    gain(r->n, r->stride, r->stage, r->dt, r->v, r->a, r->extra[START], r->extra[ACCELERATIONS]);
 }
 
-static const struct calx_stage stages[] = {{.before = before, .time = 0.5},
-                                           {.before = before, .time = 0.5},
-                                           {.before = before, .time = 1},
-                                           {.before = before, .time = 1}};
-static const char *const extra[] = {"start-velocity", "displacement", "velocities",
-                                    "accelerations"};
+static void move(const void *params, const struct calx_rows *r)
+{
+    go(r->n, r->stride, r->stage, r->dt, r->x, r->v, r->extra[DISPLACEMENT], r->extra[VELOCITIES]);
+    turn(params, r);
+}
+
+#define STAGES(kernel)                                                                                                  \
+    {                                                                                                                  \
+        {.before = kernel, .time = 0.5}, {.before = kernel, .time = 0.5}, {.before = kernel, .time = 1}, {.before = kernel, .time = 1}  \
+    }
+static const struct calx_stage translation[] = STAGES(move), rotation[] = STAGES(turn);
+static const char *const extra[] = {"start-velocity", "accelerations", "displacement",
+                                    "velocities"};
 
 static const struct calx_motion_integrator law = {
     .order = 4,
@@ -55,10 +71,10 @@ static const struct calx_motion_integrator law = {
     .stability = 2.828,
     .damping = 2.785,
     .extra_translation = 4,
-    .extra_rotation = 4,
+    .extra_rotation = 2,
     .extra = extra,
-    .translation = stages,
-    .rotation = stages,
+    .translation = translation,
+    .rotation = rotation,
 };
 
 CALX_EXPORT const struct calx_plugin calx_plugin = {

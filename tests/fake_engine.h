@@ -15,6 +15,7 @@ struct calx_sim {
     struct calx_measure_cache cache;
     struct calx_frame frame; /* what the next frame shows; arrays belong to the test */
     struct calx_ledger ledger;
+    struct calx_peak peak;
     double time;
     int64_t step;
     int stage;
@@ -72,6 +73,11 @@ double calx_sim_step_share(struct calx_sim *sim, int64_t *id)
 {
     *id = 7;
     return 0.25 * (double)sim->step;
+}
+
+const struct calx_peak *calx_sim_peak(const struct calx_sim *sim)
+{
+    return &sim->peak;
 }
 
 struct calx_frame *calx_frame_create(struct calx_sim *sim, bool with_contacts)

@@ -149,6 +149,26 @@ class Cases(InFolder):
             self.assertIn(word, done.stdout)
         self.assertEqual(os.listdir(self.folder), [])
 
+    def test_verify_takes_folders_without_case_xml(self):
+        extreme = os.path.join(ROOT, "cases", "extreme")
+        names = ["16-one-particle", "17-no-particle"]
+        os.mkdir(os.path.join(self.folder, "some"))
+        for name in names:
+            shutil.copy(os.path.join(extreme, name + ".xml"), os.path.join(self.folder, "some"))
+        os.mkdir(os.path.join(self.folder, "empty"))
+        with open(os.path.join(self.folder, "README.md"), "w", encoding="ascii"):
+            pass
+        done = calx("verify", "some", "README.md", cwd=self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("README.md: skipped", done.stderr)
+        self.assertIn("2 cases:", done.stdout)
+        for name in names:
+            self.assertIn(name, done.stdout)
+        for words, says in ((["empty"], "empty holds no case"), (["empty", "some"], "empty holds no case"), (["README.md"], "skipped")):
+            done = calx("verify", *words, cwd=self.folder)
+            self.assertEqual(done.returncode, 2, done.stdout)
+            self.assertIn(says, done.stderr)
+
     def test_verify_judges_and_writes_nothing(self):
         short = ["--set", "stage[turn]/for=1 ms", "--set", "stage[settle]/for=1 ms"]
         done = calx("verify", CASE, *short, cwd=self.folder)

@@ -30,6 +30,8 @@ BOUND = 0.03
 OTHER_VERSION = 0.15
 WARM = 40  # steps after which contacts have their history
 SKIPPED = 77
+# Their work is that of a library, which may not be there.
+ELSEWHERE = {"motion-arkode.so", "temperature-cvode.so"}
 
 # Made small: about 2000 grains in the same density, except s5, which is small already; and how many steps are counted.
 SMALL = {
@@ -89,7 +91,7 @@ def count_kernels(files, environment):
 
 
 def plugins(folder):
-    return sorted(os.path.join(folder, f) for f in os.listdir(folder) if f.endswith(".so"))
+    return sorted(os.path.join(folder, f) for f in os.listdir(folder) if f.endswith(".so") and f not in ELSEWHERE)
 
 
 def measure():

@@ -89,6 +89,7 @@ static const struct {
     {P("wall-force", -1, -1, -1, 0, ""), NAN},
     {P("wall-force", -1, -1, 2, 0, ""), NAN},
     {P("lacey-index", -1, -1, -1, 0, ""), NAN},
+    {P("peak-force", -1, -1, -1, 0, ""), NAN}, /* nobody watches */
     {P("temperature", 3, -1, -1, 0, ""), 350},
     {P("temperature", -1, -1, -1, 0, ""), 320},
     {P("temperature", -1, -1, -1, 0, "min"), 300},

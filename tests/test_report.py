@@ -75,6 +75,9 @@ class Usage(InFolder):
         ([accuracy("linear"), "--target", "0"], "above 0"), ([accuracy("linear"), "--target", "2"], "at most 1"),
         ([accuracy("linear"), "--target", "x"], "--target"), ([accuracy("linear"), "--budget", "3 m"], "--budget"),
         ([accuracy("linear"), "--budget", "-1"], "above 0"), ([accuracy("linear"), "--seeds", "1"], "from 2"),
+        ([accuracy("linear"), "--again", "1"], "from 2"), ([accuracy("linear"), "--tolerances", "1e-3"], "two numbers"),
+        ([accuracy("linear"), "--tolerances", "1e-3..1e-6"], "not above"), ([accuracy("linear"), "--tolerances", "1 s..2 s"], "'s'"),
+        ([accuracy("linear"), "--tolerances", "1e-9..1e-6", "--integrators", "velocity-verlet"], "no integrator"),
         ([accuracy("linear"), "--soften", "0.5"], "above 1"), ([accuracy("linear"), "--soften", "10;100"], "commas"),
         ([accuracy("linear"), "--stabilty"], "--stability"),
         ([accuracy("linear"), "--set", "contact/stiffnes=3"], "stiffness"),
@@ -172,6 +175,31 @@ class Errors(InFolder):
         self.assertGreaterEqual(len(heat_steps), 3)
         self.assertAlmostEqual(heat_steps[0] / 1e-4, 1, delta=0.01)
         self.assertAlmostEqual(heat_steps[-1] / 4e-4, 1, delta=0.01)
+
+
+    def test_peak_force(self):
+        # Velocity Verlet's amplitude is larger by 1/sqrt(1 - (w dt/2)^2), w = sqrt(k/m); onset inside a step adds as much again, either way. The
+        # parabola between steps adds (w dt)^4/100, where the largest of the steps alone would be smaller by (w dt)^2/24 on average.
+        report = self.report(accuracy("linear"), "--quantity", "peak-force,peak-force-time", "--integrators", "velocity-verlet", "--budget", PLENTY)
+        self.assertAlmostEqual(order_of(report, "velocity-verlet", "peak-force"), 2, delta=0.2)
+        w = math.sqrt(1e4 / (2500 * 4 / 3 * math.pi * 0.002**3))
+        for point in report["points"]:
+            if point["status"] == "good" and point["dt"] < 2e-5:
+                self.assertLess(point["errors"]["peak-force"][0], 1.2 * (w * point["dt"]) ** 2 / 4)
+        verdict = report["verdicts"][0]
+        self.assertAlmostEqual(verdict["scale"] / (0.5 * 1e4 / w), 1, delta=1e-12)
+
+    def test_tolerances(self):
+        report = self.report(accuracy("linear"), "--integrators", "cash-karp,velocity-verlet", "--tolerances", "1e-8..1e-3", "--budget", PLENTY)
+        points = [p for p in report["points"] if p["tolerance"]]
+        self.assertEqual({p["integrator"] for p in points}, {"cash-karp"})
+        self.assertEqual([round(math.log10(p["tolerance"])) for p in points], [-3, -4, -5, -6, -7, -8])
+        self.assertEqual({p["dt"] for p in points}, {report["own_dt"]})
+        errors = {round(math.log10(p["tolerance"])): p["errors"]["rebound"][0] for p in points}
+        self.assertLess(errors[-8], errors[-3] + 1e-12)
+        heat = self.report(accuracy("conduction-chain"), "--integrators", "heat-exponential", "--tolerances", "1e-12..1e-3", "--budget", PLENTY,
+                           name="heat")
+        self.assertEqual(len([p for p in heat["points"] if p["tolerance"]]), 10)
 
 
 class Verdicts(InFolder):
@@ -311,6 +339,26 @@ class Statistics(InFolder):
         self.assertGreater(confidence, 0)
         self.assertAlmostEqual(verdict["error"], error + confidence, delta=1e-12)
         self.assertLessEqual(verdict["error"], verdict["target"] * (1 + 1e-12))
+
+    # Of each 95 % interval one in twenty may miss, of 24 more than four in one of 200: a pass says that intervals are not too narrow by much. Runs
+    # repeat bit by bit, so this does not fail by chance. With half the width a third of them misses.
+    def test_what_is_promised_holds_with_ten_other_seeds(self):
+        promised = held = 0
+        for seed in range(4):
+            report = self.report(DRUM, *SHORT_DRUM, "--set", f"particles/seed={seed + 1}", "--seeds", "4", "--again", "10", "--integrators",
+                                 "velocity-verlet", "--budget", PLENTY, name=str(seed))
+            for verdict in report["verdicts"]:
+                again = verdict.get("again")
+                if not again:
+                    continue
+                self.assertEqual(again["seeds"], 10)
+                self.assertEqual(again["holds"], again["error"] <= verdict["error"])
+                promised += 1
+                held += again["holds"]
+        self.assertGreaterEqual(promised, 20)
+        self.assertGreaterEqual(held, promised - 4)
+        with open(self.path("0", "report.md"), encoding="utf-8") as file:
+            self.assertIn("The same steps with 10 other seeds", file.read())
 
     def test_json_has_what_it_promises(self):
         numbers = ("target", "window", "duration", "own_dt", "planned_seconds", "planned_evaluations", "evaluations", "runs",
