@@ -145,6 +145,18 @@ static void list_walls(struct calx_sim *s, const struct scalars *n, struct array
         }
 }
 
+static void list_profiles(struct calx_sim *s, struct array_list *l)
+{
+    size_t layers = 0;
+    for (size_t p = 0; p < s->scene->profile_count; p++)
+        layers += s->scene->profiles[p].layers;
+    if (!layers)
+        return;
+    add(l, "profile_clocks", &s->profile_clocks, s->scene->profile_count * sizeof *s->profile_clocks);
+    add(l, "layer_sums", &s->layer_sums, layers * sizeof *s->layer_sums);
+    add(l, "layers", &s->layers, layers * sizeof *s->layers);
+}
+
 static void list_network(struct calx_sim *s, const struct scalars *n, struct array_list *l)
 {
     if (!s->features.heat_network)
@@ -164,6 +176,7 @@ static void list_all(struct calx_sim *s, const struct scalars *n, size_t columns
     list_contacts(s, n, columns, l);
     list_walls(s, n, l);
     list_network(s, n, l);
+    list_profiles(s, l);
 }
 
 int calx_sim_save(struct calx_sim *s, struct calx_block **blocks, size_t *count, struct calx_error *e)
@@ -241,6 +254,7 @@ int calx_sim_restore(struct calx_sim *s, const struct calx_block *blocks, size_t
             memcpy(*list.items[k].pointer, b->data, b->bytes);
     }
     calx_pace_resume(s);
+    calx_profile_resume(s);
     calx_measure_clear(&s->measure);
     s->walls_changed = true;
     if (calx_team_form(s))

@@ -192,6 +192,18 @@ struct calx_exact {
     struct calx_place place;
 };
 
+/* Layers of equal thickness across one axis, and means over windows of time in each (core/profile.c). */
+struct calx_profile {
+    char name[48];
+    int axis;                /* 0, 1, 2 */
+    size_t layers;
+    double low[3], high[3];  /* m: of all layers together; in 2D their depth along z */
+    double every, over;      /* s: between samples; length of a window, a whole number of samples */
+    double after;            /* s: the first window begins */
+    bool groups;             /* bodies of rigid groups count too */
+    struct calx_place place;
+};
+
 struct calx_scene {
     char *title;
     char *file;      /* path of the case file */
@@ -222,6 +234,8 @@ struct calx_scene {
     struct calx_expect *expects;
     size_t exact_count;
     struct calx_exact *exacts;
+    size_t profile_count;
+    struct calx_profile *profiles;
     size_t attachment_count;
     struct calx_attachment { void *what; void (*release)(void *); } *attachments;
     size_t file_count;

@@ -59,6 +59,7 @@ static int create(struct calx_sim *s, struct calx_error *e)
     CALX_TRY(calx_skin_choose(s, e));
     CALX_TRY(create_scratch(s, e));
     CALX_TRY(create_classes(s, e));
+    CALX_TRY(calx_profile_create(s, e));
     s->engine = calx_engine_pick(NULL);
     return first_forces(s, e);
 }
@@ -112,7 +113,8 @@ void calx_sim_free(struct calx_sim *s)
                    s->wall_angle, s->wall_shift, s->wall_temperature, s->near_row, s->near_primitive,
                    s->wall_contacts, s->wall_contacts_next, s->wall_history, s->wall_history_next,
                    s->wall_force, s->block_wall_force, s->edge_i, s->edge_j, s->boundary_i, s->edge_h,
-                   s->boundary_h, s->boundary_t, s->carried, s->classes, s->saved, s->clocks};
+                   s->boundary_h, s->boundary_t, s->carried, s->classes, s->saved, s->clocks,
+                   s->profile_clocks, s->layer_sums, s->layers};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         free(all[k]);
     free(s);

@@ -115,6 +115,18 @@ struct calx_posed { /* a primitive in its present place */
     int32_t wall;
 };
 
+/* Sums over the samples of a window in one layer, see profile.c. */
+struct calx_layer_sums {
+    double volume, velocity[3], square[3], temperature, contacts; /* weighted by the volume of slices */
+    double mass, momentum[3], flux[9], contact[9];
+};
+
+struct calx_profile_clock {
+    int64_t taken;            /* multiples of the interval so far */
+    int64_t samples, windows; /* in this window; complete ones */
+    double end;               /* s, of the last window */
+};
+
 /* What one block found in one step; summed in block order. */
 struct calx_tally {
     int64_t contacts, wall_contacts;
@@ -265,6 +277,11 @@ struct calx_sim {
     /* probes */
     uint8_t **classes;          /* per probe, by id; NULL if the probe has none */
     struct calx_measure_cache measure;
+
+    /* profiles; layers of all of them, one profile after the other */
+    struct calx_profile_clock *profile_clocks;
+    struct calx_layer_sums *layer_sums;
+    struct calx_layer *layers;
     void *saved; /* scalars of the last calx_sim_save */
 };
 
@@ -390,6 +407,12 @@ int calx_heat_check(struct calx_sim *, struct calx_error *); /* fails if the hea
 void calx_ledger_begin(struct calx_sim *);
 void calx_ledger_step(struct calx_sim *, double dt);
 double calx_ledger_mechanical(struct calx_sim *); /* kinetic + rotational + elastic + potential now, J */
+
+/* profile.c */
+int calx_profile_create(struct calx_sim *, struct calx_error *);
+bool calx_profile_due(const struct calx_sim *, double t); /* at the step that ends at time t */
+int calx_profile_step(struct calx_sim *, struct calx_error *); /* takes the samples that are due */
+void calx_profile_resume(struct calx_sim *);
 
 /* guard.c */
 /* What the state at t = 0 allows. */

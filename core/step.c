@@ -249,9 +249,15 @@ int calx_step_begin_stage(struct calx_sim *s, int stage, struct calx_error *e)
     return 0;
 }
 
+/* When the step ends that comes `steps` after the present state. */
+static double end_of(const struct calx_sim *s, int64_t steps)
+{
+    return s->pace_time + (double)(s->stage_step + steps - s->pace_step) * s->dt;
+}
+
 static int step(struct calx_sim *s, bool ahead, struct calx_error *e)
 {
-    double t = s->pace_time + (double)(s->stage_step + 1 - s->pace_step) * s->dt;
+    double t = end_of(s, 1);
     s->wall_step = s->moved = 0.0;
     CALX_TRY(s->plan->motion ? calx_motion_step(s, t, ahead, e) : advance_frozen(s, t, e));
     s->step++;
@@ -265,6 +271,7 @@ static int step(struct calx_sim *s, bool ahead, struct calx_error *e)
     if (!ahead)
         CALX_TRY(calx_pace_step(s, e));
     CALX_TRY(calx_guard_step(s, e));
+    CALX_TRY(calx_profile_step(s, e));
     calx_timing_lap(clock, CALX_PHASE_OTHER);
     return end_stage(s, e);
 }
@@ -279,7 +286,7 @@ static bool looked_at(const struct calx_sim *s, int64_t steps)
 {
     const struct calx_stage_spec *stage = &s->scene->stages[s->stage];
     return calx_pace_elapsed(s, steps) >= stage->duration - 0.75 * s->dt || (s->step + steps) % CALX_SELDOM == 0 ||
-           (stage->condition[0] && (s->stage_step + steps) % 64 == 0);
+           (stage->condition[0] && (s->stage_step + steps) % 64 == 0) || calx_profile_due(s, end_of(s, steps));
 }
 
 int calx_sim_advance(struct calx_sim *s, int64_t steps, int64_t *made, struct calx_error *e)

@@ -230,6 +230,29 @@ static const struct calx_attribute probe_attributes[] = {
 static const struct calx_element probe = {"probe", "probe", "A column of the CSV.",
                                           ATTRIBUTES(probe_attributes)};
 
+static const struct calx_attribute profile_attributes[] = {
+    {"name", NAME, NULL, NULL, NULL, NEEDED, "of its files, NAME_profile_name"},
+    {"axis", WORD, NULL, "x|y|z", NULL, NEEDED, "across which the layers lie"},
+    {"layers", WHOLE, NULL, NULL, NULL, 1, 100000, REQUIRED, "how many, of equal thickness"},
+    {"from", QUANTITY, "m", NULL, NULL, A_PLACE, "where the first begins; the end of the domain if not given"},
+    {"to", QUANTITY, "m", NULL, NULL, A_PLACE, "where the last ends; the end of the domain if not given"},
+    {"across", CALX_FORM_LIST, "m", NULL, NULL, POSITIVE,
+     "extent of a layer along the other axes, in their order; that of the domain if not given"},
+    {"over", QUANTITY, "s", NULL, NULL, 0, INFINITY, REQUIRED | CALX_ATTRIBUTE_OPEN_MIN,
+     "length of a window: each gives one profile"},
+    {"every", QUANTITY, "s", NULL, NULL, POSITIVE,
+     "time between the samples that a window averages; a hundredth of it if not given"},
+    {"after", QUANTITY, "s", NULL, "0", NOT_NEGATIVE, "when the first window begins"},
+    {"groups", SWITCH, NULL, NULL, "no", NO_RANGE, "yes: the bodies of rigid groups count too"},
+};
+static const struct calx_element profile = {
+    "profile", "profile",
+    "Layers across an axis and, in each, means over windows of time: solid fraction, velocity and its fluctuation, temperature, "
+    "coordination number, stress of contacts and of fluctuations. A body counts in each layer with the volume of its slice there, the force "
+    "of a contact with the part of the line between the centres that runs there. In 2D a layer is as deep as discs are long, or as the "
+    "largest sphere is thick.",
+    ATTRIBUTES(profile_attributes)};
+
 static const struct calx_attribute expect_attributes[] = {
     {"of", NAME, NULL, NULL, NULL, NO_RANGE,
      "a probe, a column of the CSV or a quantity of the whole scene"},
@@ -305,6 +328,7 @@ static const struct calx_child case_children[] = {{&material, '+'},
                                                   {&stage, '+'},
                                                   {&output, '?'},
                                                   {&probe, '*'},
+                                                  {&profile, '*'},
                                                   {&expect, '*'},
                                                   {&exact, '*'}};
 static const struct calx_element case_element = {

@@ -233,6 +233,31 @@ START_TEST(test_results)
 }
 END_TEST
 
+START_TEST(test_profiles)
+{
+    read_everything(NULL, 0);
+    ck_assert_ptr_nonnull(scene);
+    ck_assert_uint_eq(scene->profile_count, 2);
+    const struct calx_profile *p = scene->profiles;
+    ck_assert(strcmp(p[0].name, "across") == 0 && p[0].axis == 1 && p[0].layers == 4 && p[0].groups);
+    const double low[3] = {-1, -1, -0.025}, high[3] = {1, 1, 0.025};
+    for (int k = 0; k < 3; k++) {
+        EQUAL(p[0].low[k], low[k]);
+        EQUAL(p[0].high[k], high[k]);
+    }
+    EQUAL(p[0].every, 0.001);
+    EQUAL(p[0].over, 0.02);
+    EQUAL(p[0].after, 1);
+    ck_assert(p[1].axis == 0 && p[1].layers == 3 && !p[1].groups);
+    EQUAL(p[1].low[0], -0.5);
+    EQUAL(p[1].high[0], 0.5);
+    EQUAL(p[1].low[1], -0.5); /* 2 m about the middle of the domain, 0.5 m */
+    EQUAL(p[1].high[1], 1.5);
+    EQUAL(p[1].every, 0.005);
+    EQUAL(p[1].after, 0);
+}
+END_TEST
+
 /* ---- settings
  * ------------------------------------------------------------------------------------------ */
 
@@ -389,6 +414,7 @@ static void add_tests(TCase *cases)
     tcase_add_test(cases, test_particles);
     tcase_add_test(cases, test_stages);
     tcase_add_test(cases, test_results);
+    tcase_add_test(cases, test_profiles);
     tcase_add_test(cases, test_grammar);
     tcase_add_test(cases, test_reference);
     tcase_add_test(cases, test_example_of_the_reference);
