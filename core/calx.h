@@ -100,6 +100,7 @@ struct calx_frame {
     /* per wall of the scene, groups included: the same numbers once more */
     size_t walls;
     double (*force_on_wall)[3];
+    double (*displacement_of_wall)[3], (*velocity_of_wall)[3]; /* m since the start, m/s; of what was at the origin of space then */
     double *temperature_of_wall;
 };
 

@@ -198,6 +198,36 @@ static bool wall_force(const struct calx_measure_view *v, double out[3])
            copy3((const double(*)[3])f->force_on_wall, (size_t)wall, out);
 }
 
+static bool wall_vector(const struct calx_measure_view *v, double (*const rows)[3], double out[3])
+{
+    return rows && v->probe->wall >= 0 && copy3((const double(*)[3])rows, (size_t)v->probe->wall, out);
+}
+
+static bool wall_displacement(const struct calx_measure_view *v, double out[3])
+{
+    const struct calx_frame *f = calx_measure_frame(v->sim);
+    return f && wall_vector(v, f->displacement_of_wall, out);
+}
+
+static bool wall_velocity(const struct calx_measure_view *v, double out[3])
+{
+    const struct calx_frame *f = calx_measure_frame(v->sim);
+    return f && wall_vector(v, f->velocity_of_wall, out);
+}
+
+/* Component k: with the normal along axis k. */
+static bool wall_friction(const struct calx_measure_view *v, double out[3])
+{
+    double force[3];
+    if (!wall_force(v, force))
+        return false;
+    for (int k = 0; k < 3; k++) {
+        double across = force[(k + 1) % 3] * force[(k + 1) % 3] + force[(k + 2) % 3] * force[(k + 2) % 3];
+        out[k] = sqrt(across) / fabs(force[k]);
+    }
+    return true;
+}
+
 static bool wall_temperature(const struct calx_measure_view *v, double out[3])
 {
     const struct calx_frame *f = calx_measure_frame(v->sim);
@@ -305,6 +335,11 @@ static const struct calx_measure_row rows[] = {
           "largest overlap of a contact over the smaller radius"),
     WHOLE("momentum", "kg m/s", 3, momentum, "total momentum"),
     WHOLE("wall-force", "N", 3, wall_force, "force of the grains on a wall"),
+    WHOLE("wall-displacement", "m", 3, wall_displacement,
+          "way of a wall, or a rigid group, since the start: of what was at the origin of space then"),
+    WHOLE("wall-velocity", "m/s", 3, wall_velocity, "velocity of the same point"),
+    WHOLE("wall-friction", "1", 3, wall_friction,
+          "force of the grains along a wall over the force normal to it; the component is the axis normal to the wall"),
     WHOLE("wall-temperature", "K", 1, wall_temperature, "temperature of a wall"),
     WHOLE("residual-relative", "1", 1, residual_relative,
           "imbalance of mechanical energy over the largest energy that took part"),

@@ -134,6 +134,7 @@ static void list_walls(struct calx_sim *s, const struct scalars *n, struct array
     add(l, "stage_poses", &s->stage_poses, walls * sizeof *s->stage_poses);
     add(l, "wall_angle", &s->wall_angle, walls * sizeof *s->wall_angle);
     add(l, "wall_shift", &s->wall_shift, walls * sizeof *s->wall_shift);
+    add(l, "plates", &s->plates, walls * sizeof *s->plates);
     add(l, "wall_temperature", &s->wall_temperature, walls * sizeof *s->wall_temperature);
     add(l, "wall_force", &s->wall_force, walls * sizeof *s->wall_force);
     add(l, "block_wall_force", &s->block_wall_force, n->block_count * walls * sizeof *s->block_wall_force);

@@ -90,6 +90,12 @@ struct calx_motion {
     double amplitude[3], frequency, phase;     /* oscillation: amplitude*(sin(2 pi f tau + phase) - sin(phase)); m, 1/s, rad */
     bool has_displacement;
     struct calx_function displacement[3]; /* m, of the time of the run; minus its value when the stage began */
+    /* A loaded plate (core/plates.c): along one axis the wall is a body of finite mass that moves under contacts, load and gravity. Nothing
+     * above prescribes that axis, and the wall does not turn. */
+    bool free;
+    int free_axis;                    /* 0, 1, 2 */
+    double mass, damping;             /* kg; N s/m, of its speed along the axis */
+    struct calx_function load;        /* N along the axis */
 };
 
 struct calx_wall {

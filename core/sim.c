@@ -40,10 +40,7 @@ static int first_forces(struct calx_sim *s, struct calx_error *e)
     struct calx_pass pass = {.conduct = s->plan->conductance != NULL, .stage = -1};
     CALX_TRY(calx_step_forces(s, &pass, e));
     CALX_TRY(calx_pace_begin(s, e));
-    double power = 0.0;
-    for (size_t b = 0; b < s->block_count; b++)
-        power += s->tallies[b].wall_power;
-    s->wall_work = 0.5 * power * s->dt; /* the force at t = 0 acts for half a step */
+    s->wall_work = 0.5 * calx_ledger_wall_power(s) * s->dt; /* the force at t = 0 acts for half a step */
     CALX_TRY(calx_motion_start(s, e));
     calx_ledger_begin(s);
     calx_measure_begin_stage(s, 0);
@@ -110,7 +107,7 @@ void calx_sim_free(struct calx_sim *s)
         free(s->classes[p]);
     void *all[] = {s->pairs.i, s->pairs.j, s->pairs.touching, s->pairs.history, s->pairs.apart_i, s->pairs.apart_j, s->blocks, s->groups,
                    s->collect_to, s->collect_from, s->tallies, s->posed, s->poses, s->stage_poses,
-                   s->wall_angle, s->wall_shift, s->wall_temperature, s->near_row, s->near_primitive,
+                   s->wall_angle, s->wall_shift, s->plates, s->wall_temperature, s->near_row, s->near_primitive,
                    s->wall_contacts, s->wall_contacts_next, s->wall_history, s->wall_history_next,
                    s->wall_force, s->block_wall_force, s->edge_i, s->edge_j, s->boundary_i, s->edge_h,
                    s->boundary_h, s->boundary_t, s->carried, s->classes, s->saved, s->clocks,

@@ -106,6 +106,17 @@ struct calx_pose {
     double ago, past_speed[3], past_spin[3]; /* the same velocity_lag*dt = ago (s) before: what the laws see */
 };
 
+/* The one degree of freedom of a wall whose motion has `free` (plates.c), at the last evaluation of forces that was kept. Whoever wants
+ * to solve for plates and contacts together finds here all that there is: mass and axis are in struct calx_motion of the stage. */
+struct calx_plate {
+    double time;          /* s: of that evaluation */
+    double shift, speed;  /* m since the stage began; m/s, along the axis */
+    double risen;         /* m: by how much before this stage, while it was free: shift + risen is against gravity */
+    double contact, load; /* N along the axis: of the grains; given */
+    double acceleration;  /* m/s2 */
+    double power;         /* W: of the grains' force, with the speed that the contacts saw */
+};
+
 struct calx_carried { /* a body that a wall carries */
     int32_t row, wall;
 };
@@ -186,6 +197,7 @@ struct calx_sim {
     /* time */
     double time, stage_start, dt_now;
     double rows_dt;             /* s: the step that integrator kernels see */
+    double evaluated;           /* s: the time of the evaluation under way, where walls are */
     double lag;                 /* s: of the evaluation under way, velocities are those of so long before; 0 in between */
     bool trial;                 /* the evaluation under way leaves history and books as they are; false in between */
     double memory[CALX_MEMORY]; /* of a global integrator */
@@ -235,6 +247,7 @@ struct calx_sim {
     struct calx_pose *poses, *stage_poses;
     double *wall_angle;         /* rad since the stage began */
     double (*wall_shift)[3];    /* m since the stage began */
+    struct calx_plate *plates;  /* per wall */
     double *wall_temperature;   /* K now; NULL without temperature */
     double wall_reach;          /* m: no grain is farther from anything */
     int32_t *near_row, *near_primitive;
@@ -389,6 +402,17 @@ void calx_walls_velocity(const struct calx_sim *, int wall, const double at[3], 
 struct calx_touch { double distance, normal[3], point[3]; bool end; };
 void calx_surface_nearest(const struct calx_primitive *, uint32_t dimension, const double x[3], struct calx_touch *);
 
+/* plates.c: walls that are free along an axis. */
+void calx_plates_begin_stage(struct calx_sim *, const struct calx_stage_spec *before); /* NULL at the start; s->stage is the new one */
+bool calx_plates_ever(const struct calx_scene *, int wall); /* free in any stage; false for -1 */
+void calx_plates_place(const struct calx_sim *, size_t wall, double t, double shift[3]); /* adds where it is expected at time t */
+double calx_plates_speed(const struct calx_sim *, size_t wall, double t); /* m/s, expected */
+/* After an evaluation that is kept, at time t, when the forces on walls are known. */
+void calx_plates_take(struct calx_sim *, double t);
+double calx_plates_power(const struct calx_sim *); /* W: what grains give to plates, which the power of walls has as loss */
+double calx_plates_kinetic(const struct calx_sim *);
+double calx_plates_potential(const struct calx_sim *);
+
 /* carried.c: bodies that walls carry. Listing: whenever rows have changed places. */
 int calx_carried_list(struct calx_sim *, struct calx_error *);
 void calx_carried_move(struct calx_sim *); /* into the present poses of their walls */
@@ -406,6 +430,7 @@ int calx_heat_check(struct calx_sim *, struct calx_error *); /* fails if the hea
 /* ledger.c */
 void calx_ledger_begin(struct calx_sim *);
 void calx_ledger_step(struct calx_sim *, double dt);
+double calx_ledger_wall_power(const struct calx_sim *); /* W, of walls whose motion is given, at the last evaluation */
 double calx_ledger_mechanical(struct calx_sim *); /* kinetic + rotational + elastic + potential now, J */
 
 /* profile.c */

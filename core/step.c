@@ -136,6 +136,8 @@ int calx_step_forces(struct calx_sim *s, const struct calx_pass *pass, struct ca
     s->evaluations++;
     if (s->features.wall_contacts && !s->trial)
         swap_wall_contacts(s);
+    if (!s->trial)
+        calx_plates_take(s, s->evaluated);
     return 0;
 }
 
@@ -160,6 +162,11 @@ void calx_step_set_gravity(struct calx_sim *s, double t)
                 s->outside_work -= change[k] * (x[k] + turns) / inverse_mass;
             }
         }
+    for (size_t w = 0; changed && s->built && w < s->scene->wall_count; w++) {
+        const struct calx_motion *m = &s->scene->stages[s->stage].motion[w];
+        if (m->free)
+            s->outside_work -= change[m->free_axis] * m->mass * (s->plates[w].shift + s->plates[w].risen);
+    }
 }
 
 struct calx_pass calx_step_end_pass(const struct calx_sim *s, double dt, int stage, bool ahead)
@@ -238,6 +245,7 @@ int calx_step_begin_stage(struct calx_sim *s, int stage, struct calx_error *e)
     s->stage_start = s->time;
     s->held = 0.0;
     s->checked = s->time;
+    calx_plates_begin_stage(s, s->built ? &s->scene->stages[stage - 1] : NULL);
     calx_walls_begin_stage(s);
     calx_step_set_gravity(s, s->time);
     if (plan != s->plan && s->built)

@@ -77,7 +77,8 @@ const char *calx_case_needed_choice(const struct calx_measure *measure)
 {
     static const struct {
         const char *quantity, *choice;
-    } needs[] = {{"wall-force", "wall"}, {"wall-temperature", "wall"}, {"lacey-index", "classes"}};
+    } needs[] = {{"wall-force", "wall"},        {"wall-temperature", "wall"}, {"wall-displacement", "wall"},
+                 {"wall-velocity", "wall"},     {"wall-friction", "wall"},    {"lacey-index", "classes"}};
     for (size_t k = 0; k < sizeof needs / sizeof *needs; k++)
         if (strcmp(needs[k].quantity, measure->name) == 0)
             return needs[k].choice;
@@ -100,6 +101,8 @@ static void check_probe(struct calx_reader *r, const xmlNode *node,
     if (!measure->per_particle && (one || many))
         calx_case_fail(r, node, one ? "particle" : "reduce", "'%s' is of the whole scene",
                        measure->name);
+    if (strcmp(measure->name, "wall-friction") == 0 && (!probe->component || probe->component == 'm'))
+        calx_case_fail(r, node, "component", "expected the axis normal to the wall: x, y or z");
     if (measure->components == 1 && probe->component)
         calx_case_fail(r, node, "component", "'%s' is a single number", measure->name);
     if (probe->particle >= 0 && r->scene->particles.count &&

@@ -149,13 +149,19 @@ static const struct calx_attribute move_attributes[] = {
     {"phase", QUANTITY, "rad", NULL, "0", ANY, "of the oscillation when the stage begins"},
     {"displacement", VARYING_VECTOR, "m", "t", NULL, ANY,
      "as expressions of t; counted from its value when the stage begins"},
+    {"free", WORD, NULL, "x|y|z", NULL, NO_RANGE,
+     "a loaded plate: along this axis each of the walls moves as a body, by contacts, load and gravity; the other parts of the motion "
+     "then have nothing along it, and the walls do not rotate"},
+    {"mass", QUANTITY, "kg", NULL, NULL, POSITIVE, "of a plate; needed with free"},
+    {"load", VARIES, "N", "t", "0", ANY, "force on a plate along its free axis"},
+    {"damping", QUANTITY, "N s/m", NULL, "0", NOT_NEGATIVE, "of a plate's speed along its free axis"},
     {"where", TEXT, NULL, NULL, NULL, NO_RANGE,
      "constants for the expressions: \"a = 1; b = 2*a\""},
 };
 static const struct calx_element move = {
     "move", "move",
     "Motion of walls during this stage and the next ones, until another move of the same walls. "
-    "The parts add up; `velocity=\"0 0\"` stops.",
+    "The parts add up; `velocity=\"0 0\"` stops. A wall that becomes free starts with the speed that it has.",
     ATTRIBUTES(move_attributes)};
 
 static const struct calx_attribute stage_walls_attributes[] = {
