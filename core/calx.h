@@ -185,6 +185,12 @@ struct calx_mesh *calx_mesh_create(size_t points, size_t cells, size_t corners);
 double *calx_mesh_add(struct calx_mesh *, const char *name, const char *unit, size_t components);
 void calx_mesh_free(struct calx_mesh *);
 
+/* The slab behind a wall that has one, at its present pose, with the temperature of its cells: quadrilaterals, in 3D hexahedra. NULL without
+ * memory. */
+struct calx_mesh *calx_sim_slab_mesh(const struct calx_sim *, int wall);
+/* K, the mean or the largest of its cells; NaN if there is no slab. */
+double calx_sim_slab_temperature(const struct calx_sim *, int wall, bool largest);
+
 /* ---- where the time goes ------------------------------------------------------------------------------ */
 
 enum calx_phase {

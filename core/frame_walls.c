@@ -218,7 +218,9 @@ static int copy_totals(const struct calx_sim *s, struct calx_frame *f)
         calx_walls_velocity(s, (int)w, s->poses[w].shift, f->velocity_of_wall[w]);
     }
     for (size_t w = 0; f->temperature_of_wall && w < f->walls; w++)
-        f->temperature_of_wall[w] = s->scene->walls[w].isothermal ? s->wall_temperature[w] : NAN;
+        f->temperature_of_wall[w] = s->scene->walls[w].isothermal       ? s->wall_temperature[w]
+                                    : calx_wall_has_slab(s, (int)w) ? calx_slabs_mean(s, (int)w, true)
+                                                                    : NAN;
     return 0;
 }
 

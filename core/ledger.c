@@ -32,13 +32,14 @@ static void add_particle(const struct calx_sim *s, int32_t row, struct sums *out
     }
 }
 
-/* Of bodies, and of plates as far as they are free. */
+/* Of bodies, of slabs, and of plates as far as they are free. */
 static struct sums sum_bodies(const struct calx_sim *s)
 {
     struct sums out = {0};
     for (size_t b = 0; b < s->block_count; b++)
         for (int32_t row = s->blocks[b].first; row < s->blocks[b].first + s->blocks[b].own; row++)
             add_particle(s, row, &out);
+    out.heat += calx_slabs_content(s);
     out.kinetic += calx_plates_kinetic(s);
     out.potential += calx_plates_potential(s);
     return out;
@@ -121,5 +122,6 @@ void calx_ledger_step(struct calx_sim *s, double dt)
     if (s->features.temperature) {
         s->dissipation_heat += work * (long double)s->scene->from_dissipation;
         s->wall_heat -= lost;
+        calx_slabs_take_dissipation(s);
     }
 }

@@ -228,6 +228,18 @@ static bool wall_friction(const struct calx_measure_view *v, double out[3])
     return true;
 }
 
+static bool slab_mean(const struct calx_measure_view *v, double out[3])
+{
+    out[0] = calx_sim_slab_temperature(v->sim, v->probe->wall, false);
+    return true;
+}
+
+static bool slab_largest(const struct calx_measure_view *v, double out[3])
+{
+    out[0] = calx_sim_slab_temperature(v->sim, v->probe->wall, true);
+    return true;
+}
+
 static bool wall_temperature(const struct calx_measure_view *v, double out[3])
 {
     const struct calx_frame *f = calx_measure_frame(v->sim);
@@ -340,7 +352,9 @@ static const struct calx_measure_row rows[] = {
     WHOLE("wall-velocity", "m/s", 3, wall_velocity, "velocity of the same point"),
     WHOLE("wall-friction", "1", 3, wall_friction,
           "force of the grains along a wall over the force normal to it; the component is the axis normal to the wall"),
-    WHOLE("wall-temperature", "K", 1, wall_temperature, "temperature of a wall"),
+    WHOLE("wall-temperature", "K", 1, wall_temperature, "temperature of a wall; of the face of its slab, the mean"),
+    WHOLE("slab-mean-temperature", "K", 1, slab_mean, "mean temperature of the slab behind a wall"),
+    WHOLE("slab-max-temperature", "K", 1, slab_largest, "temperature of the hottest cell of the slab behind a wall"),
     WHOLE("residual-relative", "1", 1, residual_relative,
           "imbalance of mechanical energy over the largest energy that took part"),
     WHOLE("heat-residual-relative", "1", 1, heat_residual_relative,

@@ -136,6 +136,11 @@ static void list_walls(struct calx_sim *s, const struct scalars *n, struct array
     add(l, "wall_shift", &s->wall_shift, walls * sizeof *s->wall_shift);
     add(l, "plates", &s->plates, walls * sizeof *s->plates);
     add(l, "wall_temperature", &s->wall_temperature, walls * sizeof *s->wall_temperature);
+    if (s->slab_cells) {
+        add(l, "slab_temperature", &s->slab_temperature, s->slab_cells * sizeof *s->slab_temperature);
+        add(l, "slab_heat", &s->slab_heat, s->slab_faces * sizeof *s->slab_heat);
+        add(l, "block_faces", &s->block_faces, n->block_count * s->slab_faces * sizeof *s->block_faces);
+    }
     add(l, "wall_force", &s->wall_force, walls * sizeof *s->wall_force);
     add(l, "block_wall_force", &s->block_wall_force, n->block_count * walls * sizeof *s->block_wall_force);
     for (size_t p = 0; p < s->scene->probe_count; p++)
@@ -168,6 +173,8 @@ static void list_network(struct calx_sim *s, const struct scalars *n, struct arr
     add(l, "boundary_i", &s->boundary_i, n->boundary_capacity * 4);
     add(l, "boundary_h", &s->boundary_h, n->boundary_capacity * 8);
     add(l, "boundary_t", &s->boundary_t, n->boundary_capacity * 8);
+    add(l, "boundary_wall", &s->boundary_wall, n->boundary_capacity * 4);
+    add(l, "boundary_at", &s->boundary_at, n->boundary_capacity * sizeof *s->boundary_at);
 }
 
 static void list_all(struct calx_sim *s, const struct scalars *n, size_t columns, struct array_list *l)

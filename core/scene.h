@@ -98,6 +98,18 @@ struct calx_motion {
     struct calx_function load;        /* N along the axis */
 };
 
+/* The solid behind a wall, in the pose at the start: from `corner` it reaches by `length` along axis[0] on the face, by `depth` along axis[1] into
+ * it and by `width` along axis[2], in which direction nothing changes. `along` by `deep` cells. */
+struct calx_slab {
+    size_t along, deep;    /* 0: the wall has no slab */
+    double corner[3], axis[3][3], length, depth, width; /* m */
+    bool periodic;         /* the ends of the face meet */
+    bool far_isothermal;   /* else insulated */
+    double far, start;     /* K: of the far face; of the slab at the start */
+    double conductivity, capacity; /* W/(m K); J/(m3 K) */
+    double theta;
+};
+
 struct calx_wall {
     char name[48];
     int material;
@@ -107,6 +119,7 @@ struct calx_wall {
     struct calx_primitive *primitives;
     bool closed;           /* the segments bound an inside */
     bool carries;          /* it has no surface: a group of particles, which it carries */
+    struct calx_slab slab; /* a wall with one is not isothermal: its temperature is that of the slab's face */
     struct calx_place place;
 };
 

@@ -138,6 +138,12 @@ struct calx_profile_clock {
     double end;               /* s, of the last window */
 };
 
+/* What the contacts of one block do to a cell of a slab's face. */
+struct calx_face {
+    double flow, conductance; /* W into the slab, W/K: when heat conducts */
+    double lost;              /* J: dissipation that heats the slab, since the last evaluation */
+};
+
 /* What one block found in one step; summed in block order. */
 struct calx_tally {
     int64_t contacts, wall_contacts;
@@ -257,13 +263,18 @@ struct calx_sim {
     double (*wall_force)[3];    /* N on each wall, of the last force evaluation; by block then summed */
     double (*block_wall_force)[3];
     bool walls_changed;
+    size_t slab_cells, slab_faces; /* of all slabs, in the order of walls */
+    size_t *slab_cell, *slab_face; /* per wall: its first */
+    double *slab_temperature;      /* K */
+    double *slab_heat;             /* J per cell of a face: waits for the next heat step */
+    struct calx_face *block_faces; /* by block */
     size_t carried_count;
     struct calx_carried *carried; /* made anew whenever rows change places */
 
     /* heat network, for global integrators of temperature */
     size_t edge_capacity, boundary_capacity;
-    int32_t *edge_i, *edge_j, *boundary_i;
-    double *edge_h, *boundary_h, *boundary_t;
+    int32_t *edge_i, *edge_j, *boundary_i, *boundary_wall;
+    double *edge_h, *boundary_h, *boundary_t, (*boundary_at)[3]; /* at: the point on the wall */
 
     /* ledger */
     long double dissipated, wall_work, outside_work; /* J; outside: gravity and models that change */
@@ -426,6 +437,26 @@ int calx_heat_step(struct calx_sim *, struct calx_error *); /* after the forces 
 /* The step beyond which explicit temperatures overshoot, min C/sum H, and whose it is (-1: nobody's, infinite). */
 int calx_heat_limit(struct calx_sim *, double *limit, int64_t *id, struct calx_error *);
 int calx_heat_check(struct calx_sim *, struct calx_error *); /* fails if the heat step is unstable: max sum H/C, Gershgorin */
+
+/* slabs.c: solids behind walls. */
+static inline bool calx_wall_has_slab(const struct calx_sim *s, int wall)
+{
+    return s->scene->walls[wall].slab.along > 0;
+}
+/* Whether heat flows between the wall and grains on it. */
+static inline bool calx_wall_conducts(const struct calx_sim *s, int wall)
+{
+    return s->scene->walls[wall].isothermal || calx_wall_has_slab(s, wall);
+}
+int calx_slabs_create(struct calx_sim *, struct calx_error *);
+int calx_slabs_room(struct calx_sim *); /* for as many blocks as there are now; 1 without memory */
+void calx_slabs_take_dissipation(struct calx_sim *); /* of the last evaluation, once it is booked */
+/* Heat (J) into the slab of a wall at a point of its face. */
+void calx_slabs_add(struct calx_sim *, int wall, const double point[3], double heat);
+/* The heat step of all slabs; flows: those of the last evaluation count (else they were added). Fails if a face exchanges too fast. */
+int calx_slabs_step(struct calx_sim *, bool flows, struct calx_error *);
+double calx_slabs_content(const struct calx_sim *); /* J */
+double calx_slabs_mean(const struct calx_sim *, int wall, bool face); /* K, of all cells or of those at the face */
 
 /* ledger.c */
 void calx_ledger_begin(struct calx_sim *);

@@ -78,7 +78,8 @@ const char *calx_case_needed_choice(const struct calx_measure *measure)
     static const struct {
         const char *quantity, *choice;
     } needs[] = {{"wall-force", "wall"},        {"wall-temperature", "wall"}, {"wall-displacement", "wall"},
-                 {"wall-velocity", "wall"},     {"wall-friction", "wall"},    {"lacey-index", "classes"}};
+                 {"wall-velocity", "wall"},     {"wall-friction", "wall"},    {"lacey-index", "classes"},
+                 {"slab-mean-temperature", "wall"}, {"slab-max-temperature", "wall"}};
     for (size_t k = 0; k < sizeof needs / sizeof *needs; k++)
         if (strcmp(needs[k].quantity, measure->name) == 0)
             return needs[k].choice;

@@ -120,10 +120,13 @@ static int open_output(struct calx_run *run, bool resumed, struct calx_error *er
                     : calx_table_create(path, columns, run->column_count, error);
     if (run->table)
         run->profiles = calx_profiles_open(run->folder, run->name, run->sim, resumed, error);
+    if (run->profiles)
+        run->slabs = calx_slab_files_open(run->folder, run->name, run->sim,
+                                          resumed ? run->scheduled_frame : -INFINITY, error);
     if (length >= 0)
         free(path);
     free(columns);
-    return run->profiles ? CALX_OK : error->code;
+    return run->slabs ? CALX_OK : error->code;
 }
 
 static int write_frame(struct calx_run *run, struct calx_error *error)
@@ -132,6 +135,7 @@ static int write_frame(struct calx_run *run, struct calx_error *error)
     if (!frame)
         return out_of_memory(error);
     CALX_TRY(calx_series_write(run->series, frame, error));
+    CALX_TRY(calx_slab_files_write(run->slabs, error));
     calx_measure_mark_written(run->sim);
     run->frames += 1;
     return CALX_OK;
