@@ -190,64 +190,6 @@ static bool max_overlap_relative(const struct calx_measure_view *v, double out[3
     return largest_overlap(v, true, out);
 }
 
-static bool wall_force(const struct calx_measure_view *v, double out[3])
-{
-    const struct calx_frame *f = calx_measure_frame(v->sim);
-    int wall = v->probe->wall;
-    return f && wall >= 0 && (size_t)wall < f->walls &&
-           copy3((const double(*)[3])f->force_on_wall, (size_t)wall, out);
-}
-
-static bool wall_vector(const struct calx_measure_view *v, double (*const rows)[3], double out[3])
-{
-    return rows && v->probe->wall >= 0 && copy3((const double(*)[3])rows, (size_t)v->probe->wall, out);
-}
-
-static bool wall_displacement(const struct calx_measure_view *v, double out[3])
-{
-    const struct calx_frame *f = calx_measure_frame(v->sim);
-    return f && wall_vector(v, f->displacement_of_wall, out);
-}
-
-static bool wall_velocity(const struct calx_measure_view *v, double out[3])
-{
-    const struct calx_frame *f = calx_measure_frame(v->sim);
-    return f && wall_vector(v, f->velocity_of_wall, out);
-}
-
-/* Component k: with the normal along axis k. */
-static bool wall_friction(const struct calx_measure_view *v, double out[3])
-{
-    double force[3];
-    if (!wall_force(v, force))
-        return false;
-    for (int k = 0; k < 3; k++) {
-        double across = force[(k + 1) % 3] * force[(k + 1) % 3] + force[(k + 2) % 3] * force[(k + 2) % 3];
-        out[k] = sqrt(across) / fabs(force[k]);
-    }
-    return true;
-}
-
-static bool slab_mean(const struct calx_measure_view *v, double out[3])
-{
-    out[0] = calx_sim_slab_temperature(v->sim, v->probe->wall, false);
-    return true;
-}
-
-static bool slab_largest(const struct calx_measure_view *v, double out[3])
-{
-    out[0] = calx_sim_slab_temperature(v->sim, v->probe->wall, true);
-    return true;
-}
-
-static bool wall_temperature(const struct calx_measure_view *v, double out[3])
-{
-    const struct calx_frame *f = calx_measure_frame(v->sim);
-    int wall = v->probe->wall;
-    return f && wall >= 0 && (size_t)wall < f->walls &&
-           copy1(f->temperature_of_wall, (size_t)wall, out);
-}
-
 /* The classes belong to the probe of that name, which the caller may hold a copy of. */
 static const uint8_t *classes_of(struct calx_sim *sim, const struct calx_probe *probe)
 {
@@ -346,15 +288,20 @@ static const struct calx_measure_row rows[] = {
     WHOLE("max-overlap-relative", "1", 1, max_overlap_relative,
           "largest overlap of a contact over the smaller radius"),
     WHOLE("momentum", "kg m/s", 3, momentum, "total momentum"),
-    WHOLE("wall-force", "N", 3, wall_force, "force of the grains on a wall"),
-    WHOLE("wall-displacement", "m", 3, wall_displacement,
+    WHOLE("wall-force", "N", 3, calx_measure_wall_force, "force of the grains on a wall"),
+    WHOLE("wall-displacement", "m", 3, calx_measure_wall_displacement,
           "way of a wall, or a rigid group, since the start: of what was at the origin of space then"),
-    WHOLE("wall-velocity", "m/s", 3, wall_velocity, "velocity of the same point"),
-    WHOLE("wall-friction", "1", 3, wall_friction,
+    WHOLE("wall-velocity", "m/s", 3, calx_measure_wall_velocity, "velocity of the same point"),
+    WHOLE("wall-friction", "1", 3, calx_measure_wall_friction,
           "force of the grains along a wall over the force normal to it; the component is the axis normal to the wall"),
-    WHOLE("wall-temperature", "K", 1, wall_temperature, "temperature of a wall; of the face of its slab, the mean"),
-    WHOLE("slab-mean-temperature", "K", 1, slab_mean, "mean temperature of the slab behind a wall"),
-    WHOLE("slab-max-temperature", "K", 1, slab_largest, "temperature of the hottest cell of the slab behind a wall"),
+    WHOLE("wall-temperature", "K", 1, calx_measure_wall_temperature, "temperature of a wall; of the face of its slab, the mean"),
+    WHOLE("slab-mean-temperature", "K", 1, calx_measure_slab_mean, "mean temperature of the slab behind a wall"),
+    WHOLE("slab-max-temperature", "K", 1, calx_measure_slab_largest, "temperature of the hottest cell of the slab behind a wall"),
+    WHOLE("layer-velocity", "m/s", 3, calx_measure_layer_velocity, "of a layer of a profile, in its last complete window"),
+    WHOLE("layer-temperature", "K", 1, calx_measure_layer_temperature, "likewise"),
+    WHOLE("layer-solid-fraction", "1", 1, calx_measure_layer_solid_fraction, "likewise"),
+    WHOLE("layer-traction", "Pa", 3, calx_measure_layer_traction,
+          "likewise: force over area across the planes of the layer, of contacts and fluctuations; positive in compression along the axis"),
     WHOLE("residual-relative", "1", 1, residual_relative,
           "imbalance of mechanical energy over the largest energy that took part"),
     WHOLE("heat-residual-relative", "1", 1, heat_residual_relative,

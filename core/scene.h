@@ -179,6 +179,8 @@ struct calx_probe {
     int64_t particle;   /* id, or -1 */
     int material;       /* restrict means to one material, or -1 */
     int wall;           /* for wall quantities, or -1 */
+    int profile;        /* for quantities of layers, */
+    int64_t layer;      /* from 1, the lowest; else 0, 0 */
     char component;     /* 'x', 'y', 'z', 'm' (magnitude) or 0 */
     char reduce[12];    /* mean, min, max, sum, std */
     char classes[32];   /* lacey-index: what divides the grains: start-height, start-x, material, start-radius, start-temperature */

@@ -223,6 +223,8 @@ static const struct calx_attribute probe_attributes[] = {
     {"particle", WHOLE, NULL, NULL, NULL, NO_RANGE, "id of one particle"},
     {"material", NAME, NULL, NULL, NULL, NO_RANGE, "only particles of this material"},
     {"wall", NAME, NULL, NULL, NULL, NO_RANGE, "name of the walls or of a rigid group, for quantities of walls"},
+    {"profile", NAME, NULL, NULL, NULL, NO_RANGE, "name of a profile, for quantities of layers"},
+    {"layer", WHOLE, NULL, NULL, NULL, 1, 100000, 0, "of that profile, from 1, the lowest"},
     {"component", WORD, NULL, "x|y|z|magnitude", NULL, NO_RANGE, "of a vector"},
     {"reduce", WORD, NULL, "mean|min|max|sum|std", NULL, NO_RANGE,
      "how many particles give one number"},

@@ -188,36 +188,41 @@ static double bessel_k0(double x)
 }
 
 /* A line source that moves along the insulated face of a half-space with speed V: q/(pi k) exp(-V x/(2a)) K_0(V r/(2a)), x ahead of it (Carslaw
- * and Jaeger, Conduction of heat in solids, 10.7; twice that of the whole space). After it has gone 60 times the length 2a/V. */
-START_TEST(a_line_source_that_moves)
+ * and Jaeger, Conduction of heat in solids, 10.7; twice that of the whole space). After it has gone 60 times the length 2a/V; the largest error
+ * at least that far from it, over q/(pi k). */
+static double source_error(size_t along, size_t deep)
 {
-    enum { ALONG = 800, DEEP = 200 };
-    double speed = 30.0, length = 8.0, depth = 1.5, dt = 1.0 / 6000.0, power = 100.0, end = 0.2;
-    struct block k = block_of(slab_of(ALONG, DEEP, length, depth), dt);
+    double speed = 30.0, length = 8.0, depth = 1.5, dt = 0.2 / (1.5 * (double)along), power = 100.0, end = 0.2;
+    struct block k = block_of(slab_of(along, deep, length, depth), dt);
     struct calx_pose pose = {.turn = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     k.b.periodic = true;
-    double ds = length / ALONG, dz = depth / DEEP;
+    double ds = length / (double)along, dz = depth / (double)deep, scale = 2.0 * DIFFUSIVITY / speed, unit = power / (M_PI * 3.0);
     for (int n = 0; n < (int)lround(end / dt); n++) {
         struct calx_slab_spot spot = calx_slab_find(&k.b, &pose, (double[3]){1.0 + speed * dt * (n + 0.5), 0.0, 0.0});
-        memset(k.heat, 0, ALONG * sizeof *k.heat);
+        memset(k.heat, 0, along * sizeof *k.heat);
         k.heat[spot.cell[0]] += (1.0 - spot.share) * power * k.b.width * dt;
         k.heat[spot.cell[1]] += spot.share * power * k.b.width * dt;
         calx_slab_advance(&k.b, &k.step);
     }
-    double source = 1.0 + speed * end, scale = 2.0 * DIFFUSIVITY / speed, largest = 0.0;
-    int seen = 0;
-    for (size_t c = 0; c < ALONG * DEEP; c++) {
-        double x = ds * ((double)(c % ALONG) + 0.5) - source, z = dz * ((double)(c / ALONG) + 0.5), r = hypot(x, z);
-        if (r < 0.5 * scale || x > 3.0 * scale || x < -15.0 * scale || z > 5.0 * scale)
+    double source = 1.0 + speed * end, worst = 0.0, largest = 0.0;
+    for (size_t c = 0; c < along * deep; c++) {
+        double x = ds * ((double)(c % along) + 0.5) - source, z = dz * ((double)(c / along) + 0.5), r = hypot(x, z);
+        if (r < scale || x > 3.0 * scale || x < -15.0 * scale || z > 5.0 * scale)
             continue;
-        double exact = power / (M_PI * 3.0) * exp(-x / scale) * bessel_k0(r / scale);
-        ck_assert_double_eq_tol(k.step.temperature[c], exact, 0.01 * power / (M_PI * 3.0));
+        double exact = exp(-x / scale) * bessel_k0(r / scale);
+        worst = fmax(worst, fabs(k.step.temperature[c] / unit - exact));
         largest = fmax(largest, exact);
-        seen++;
     }
-    ck_assert_int_gt(seen, 10000);
-    ck_assert_double_gt(largest, power / (M_PI * 3.0));
+    ck_assert_double_gt(largest, 0.9);
     block_free(&k);
+    return worst;
+}
+
+START_TEST(a_line_source_that_moves)
+{
+    double coarse = source_error(300, 75), fine = source_error(600, 150);
+    ck_assert_double_lt(fine, 0.01);
+    ck_assert_double_gt(coarse / fine, 1.8);
 }
 END_TEST
 
@@ -285,10 +290,10 @@ START_TEST(a_hot_grain_on_a_slab)
         run_steps(&r, 10);
         double fallen = run_v(&r, 0)[7]; /* the first steps: C dT/dt = -H (T - T_face), T_face from 300 K on */
         ck_assert_double_eq_tol(fallen, 300.0 + 200.0 * exp(-H * 10.0 / grain), 0.1);
-        for (int n = 0; n < 60; n++) {
+        for (int n = 0; n < 120; n++) {
             run_steps(&r, 1000);
             struct calx_ledger l = calx_sim_ledger(r.sim);
-            ck_assert_double_lt(fabs(l.heat_residual), 60000 * 0x1p-53 * start); /* a rounding in each step */
+            ck_assert_double_lt(fabs(l.heat_residual), 120000 * 0x1p-52 * start); /* a unit in the last place in each step */
         }
         double mean = start / (grain + slab);
         ck_assert_double_eq_tol(run_v(&r, 0)[7], mean, 1e-3);
