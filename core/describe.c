@@ -66,6 +66,10 @@ static void describe_stability(struct calx_sim *s, FILE *out)
         fprintf(out, "  contacts now   none that vibrates%s\n", s->plan->adapts ? "; the step follows the contacts" : "");
         return;
     }
+    if (now.id < 0) {
+        fprintf(out, "  contacts now   stable up to %.4g s at least, which a loaded plate sets: the step is %.3g of it\n", now.limit, s->dt / now.limit);
+        return;
+    }
     fprintf(out, "  contacts now   stable up to %.4g s at least, which particle %lld with %d contact%s sets (%.4g s by iteration; plain sums "
             "of stiffness: %.4g s): the step%s is %.3g of it\n", now.limit, (long long)now.id, now.contacts,
             now.contacts == 1 ? "" : "s", now.sharp, now.plain, s->plan->adapts ? ", which follows the contacts," : "", s->dt / now.limit);

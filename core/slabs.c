@@ -156,6 +156,15 @@ static void place(const struct calx_sim *s, size_t wall, size_t i, size_t k, int
         out[2] = 0.0;
 }
 
+/* Whether the three axes are a right-handed frame: then cells are named the one way round, else the other. */
+static bool is_right_handed(const double a[3][3])
+{
+    double sum = 0.0;
+    for (int k = 0; k < 3; k++)
+        sum += a[2][k] * (a[0][(k + 1) % 3] * a[1][(k + 2) % 3] - a[0][(k + 2) % 3] * a[1][(k + 1) % 3]);
+    return sum > 0.0;
+}
+
 struct calx_mesh *calx_sim_slab_mesh(const struct calx_sim *s, int wall)
 {
     const struct calx_slab *b = slab_of(s, (size_t)wall);
@@ -172,7 +181,7 @@ struct calx_mesh *calx_sim_slab_mesh(const struct calx_sim *s, int wall)
             place(s, (size_t)wall, p % row, p / row, (int)side, m->position[side * layer + p]);
     for (size_t c = 0; c < b->along * b->deep; c++) {
         size_t first = c % b->along + row * (c / b->along);
-        const size_t around[4] = {first, first + 1, first + row + 1, first + row};
+        const size_t one = is_right_handed(b->axis) ? 1 : row, around[4] = {first, first + one, first + row + 1, first + row + 1 - one};
         for (size_t q = 0; q < 4 * sides; q++)
             m->corner[4 * sides * c + q] = (int64_t)(around[q % 4] + q / 4 * layer);
         t[c] = s->slab_temperature[s->slab_cell[wall] + c];

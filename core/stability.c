@@ -193,8 +193,7 @@ static double plates_step(const struct network *n)
 {
     double least = INFINITY;
     for (int w = 0; w < (int)n->s->scene->wall_count; w++) {
-        const struct calx_motion *m = &n->s->scene->stages[n->s->stage].motion[w];
-        double sum[2] = {0.0, m->free ? m->damping / m->mass : 0.0};
+        double sum[2] = {0.0}; /* its own damping is implicit */
         for (size_t c = 0; c < n->contacts.count && n->plate[w] > 0.0; c++)
             for (int k = 0; k < 4; k++) {
                 const struct calx_tangent *t = &n->contacts.list[c];
@@ -208,6 +207,16 @@ static double plates_step(const struct network *n)
         least = fmin(least, step_of(n->limit, sum[0], sum[1]));
     }
     return least;
+}
+
+static void take_plates(const struct network *n, struct calx_stability *out)
+{
+    double step = plates_step(n);
+    if (!(step < out->limit))
+        return;
+    out->limit = step;
+    out->id = -1;
+    out->contacts = 0;
 }
 
 static double row_step(const struct network *n, size_t row)
@@ -423,7 +432,7 @@ int calx_stability_look(struct calx_sim *s, enum calx_effort effort, struct calx
         out->limit = out->plain = plain_step(&n, out);
         if (effort > CALX_QUICK)
             bound(&n, effort == CALX_SHARP ? MANY_SWEEPS : SWEEPS, out);
-        out->limit = fmin(out->limit, plates_step(&n));
+        take_plates(&n, out);
         if (effort == CALX_SHARP && isfinite(out->limit))
             out->sharp = power_step(&n, out->limit, e, &code);
     }

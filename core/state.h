@@ -208,6 +208,7 @@ struct calx_sim {
     bool trial;                 /* the evaluation under way leaves history and books as they are; false in between */
     double memory[CALX_MEMORY]; /* of a global integrator */
     double dt, heat_dt;         /* s, the steps now */
+    double heat_interval;       /* s: over which the evaluation under way spreads what is dissipated: the heat step that it ends, or its own */
     int64_t heat_every;
     double pace_time;           /* s: when steps of this length began, */
     int64_t pace_step;          /* and the step of the stage then */
@@ -324,6 +325,7 @@ struct calx_sink {
 struct calx_pass {
     double dt;    /* s: since the last evaluation that was kept, 0 for a mere look */
     bool conduct;
+    bool heats;   /* a heat step follows, with or without conduction */
     int stage;    /* entry of the integrator's tables whose kernel comes after; < 0: none */
     bool ahead;   /* nobody looks before the next step: its kernel before comes as well */
     bool warm;    /* the staged integrator of temperature makes its step */

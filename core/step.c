@@ -132,6 +132,7 @@ static int keep_lists(struct calx_sim *s, struct calx_error *e)
 int calx_step_forces(struct calx_sim *s, const struct calx_pass *pass, struct calx_error *e)
 {
     CALX_TRY(keep_lists(s, e));
+    s->heat_interval = pass->conduct || pass->heats ? s->heat_dt : pass->dt;
     sweep(s, pass);
     s->evaluations++;
     if (s->features.wall_contacts && !s->trial)
@@ -173,7 +174,7 @@ struct calx_pass calx_step_end_pass(const struct calx_sim *s, double dt, int sta
 {
     const struct calx_plan *p = s->plan;
     bool due = (s->stage_step + 1 - s->pace_step) % s->heat_every == 0, staged = p->heat_law && !p->global_heat;
-    return (struct calx_pass){.dt = dt, .conduct = p->conductance && due, .stage = stage, .ahead = ahead,
+    return (struct calx_pass){.dt = dt, .conduct = p->conductance && due, .heats = p->heat_law && due, .stage = stage, .ahead = ahead,
                               .warm = staged && due, .store = p->heat_law && !due && s->scene->from_dissipation > 0.0};
 }
 

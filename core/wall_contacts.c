@@ -249,7 +249,7 @@ static void add_lane(struct wall_batch *w, size_t lane)
     if (w->conduct)
         add_conduction(w, lane);
     if (s->features.temperature && s->scene->from_dissipation > 0.0 && w->dt > 0.0 && !s->trial) {
-        a[7] += w->lane[lane].share * c->work[lane] / (w->conduct ? s->heat_dt : w->dt);
+        a[7] += w->lane[lane].share * c->work[lane] / s->heat_interval;
         double lost = (s->scene->from_dissipation - w->lane[lane].share) * c->work[lane];
         if (calx_wall_has_slab(s, w->lane[lane].wall))
             add_to_face(w, lane, 0.0, 0.0, lost);

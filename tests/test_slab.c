@@ -304,14 +304,19 @@ START_TEST(a_hot_grain_on_a_slab)
 }
 END_TEST
 
-/* Discs that slide and bounce on a floor that moves: all dissipated work is in grains and slab. */
+/* Discs that slide and bounce on a floor that moves: all dissipated work is in grains and slab, with and without conduction, with a heat step
+ * of one step and of five. */
 START_TEST(friction_heats_the_slab)
 {
     static const char *const heat[] = {"heat-euler", "heat-theta"};
-    for (int k = 0; k < 2; k++) {
-        struct calx_scene *s = grains_on_slab(4, heat[k], 16, 1e-4, false);
+    for (int k = 0; k < 8; k++) {
+        struct calx_scene *s = grains_on_slab(4, heat[k % 2], 16, 1e-4, false);
         s->from_dissipation = 1.0;
-        s->models[0].heat_dt = k ? 5e-4 : 0.0;
+        s->models[0].heat_dt = k & 2 ? 5e-4 : 0.0;
+        if (k & 4) { /* the plugin that conducts gives its place to the one after it */
+            free(s->models[0].list[3].values);
+            s->models[0].list[3] = s->models[0].list[--s->models[0].count];
+        }
         scene_gravity(s, 0.0, -10.0, 0.0);
         for (size_t i = 0; i < 4; i++) {
             scene_warm(s, i, 300.0);
@@ -325,6 +330,52 @@ START_TEST(friction_heats_the_slab)
         ck_assert_double_gt(l.heat_of_dissipation, 100.0);
         ck_assert_double_gt(calx_slabs_content(r.sim) - slab, 0.4 * l.heat_of_dissipation);
         ck_assert_double_lt(fabs(l.heat_residual), 1e-12 * l.heat);
+        run_free(&r);
+    }
+}
+END_TEST
+
+/* Cells of a 3D slab are hexahedra of positive volume that fill it, whichever way it lies; in 2D quadrilaterals behind the face. */
+START_TEST(cells_fill_the_slab)
+{
+    for (int kind = 0; kind < 7; kind++) {
+        int normal = kind / 2 % 3, along = (normal + 1 + kind % 2) % 3, across = 3 - normal - along;
+        bool flat = kind == 6;
+        struct calx_scene *s = scene_create(flat ? 2 : 3, flat ? CALX_DISCS : CALX_SPHERES, 1);
+        scene_model1(s, CALX_CONDUCTANCE, "constant", "conductance", H);
+        scene_model(s, CALX_TEMPERATURE, "heat-euler", NULL);
+        s->models[0].frozen = true;
+        s->models[0].dt = 1.0;
+        int wall = scene_wall(s, "wall", 0);
+        struct calx_slab b = slab_of(4, 3, 2.0, 0.9);
+        if (!flat) {
+            memset(b.axis, 0, sizeof b.axis);
+            b.axis[0][along] = b.axis[2][across] = 1.0;
+            b.axis[1][normal] = kind % 2 ? -1.0 : 1.0;
+        }
+        s->walls[wall].slab = b;
+        scene_put(s, 0, 9.0, 9.0, flat ? 0.0 : 9.0, 0.5);
+        struct run r = run_start(s, 1);
+        struct calx_mesh *m = calx_sim_slab_mesh(r.sim, wall);
+        ck_assert(m && m->cells == 12 && m->corners == (flat ? 4 : 8) && m->points == (flat ? 20 : 40));
+        double sum = 0.0;
+        for (size_t c = 0; c < m->cells; c++) {
+            const int64_t *q = m->corner + m->corners * c;
+            double e[3][3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0.5}}, volume = 0.0;
+            for (int k = 0; k < 3; k++) {
+                e[0][k] = m->position[q[1]][k] - m->position[q[0]][k];
+                e[1][k] = m->position[q[3]][k] - m->position[q[0]][k];
+                if (!flat)
+                    e[2][k] = m->position[q[4]][k] - m->position[q[0]][k];
+                ck_assert_double_eq_tol(m->position[q[2]][k] - m->position[q[1]][k], e[1][k], 1e-12);
+            }
+            for (int k = 0; k < 3; k++)
+                volume += e[2][k] * (e[0][(k + 1) % 3] * e[1][(k + 2) % 3] - e[0][(k + 2) % 3] * e[1][(k + 1) % 3]);
+            ck_assert_double_gt(volume, 0.0);
+            sum += volume;
+        }
+        ck_assert_double_eq_tol(sum, 2.0 * 0.9 * 0.5, 1e-12);
+        calx_mesh_free(m);
         run_free(&r);
     }
 }
@@ -390,6 +441,7 @@ int main(void)
                             a_wall_carries_its_slab,
                             a_hot_grain_on_a_slab,
                             friction_heats_the_slab,
+                            cells_fill_the_slab,
                             a_face_that_would_overshoot_is_refused,
                             the_same_bits};
     return run_tests("slab", sizeof tests / sizeof *tests, tests);
