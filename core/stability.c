@@ -209,6 +209,15 @@ static double plates_step(const struct network *n)
     return least;
 }
 
+/* From above: a plate between bodies that stay where they are. */
+static double plates_alone(const struct network *n)
+{
+    double least = INFINITY;
+    for (size_t w = 0; w < n->s->scene->wall_count; w++)
+        least = fmin(least, step_of(n->limit, n->plate[w], 0.0));
+    return least;
+}
+
 static void take_plates(const struct network *n, struct calx_stability *out)
 {
     double step = plates_step(n);
@@ -434,7 +443,7 @@ int calx_stability_look(struct calx_sim *s, enum calx_effort effort, struct calx
             bound(&n, effort == CALX_SHARP ? MANY_SWEEPS : SWEEPS, out);
         take_plates(&n, out);
         if (effort == CALX_SHARP && isfinite(out->limit))
-            out->sharp = power_step(&n, out->limit, e, &code);
+            out->sharp = fmin(power_step(&n, out->limit, e, &code), plates_alone(&n));
     }
     void *all[] = {n.step, n.share, n.plate, n.first, n.list, n.contacts.list};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)

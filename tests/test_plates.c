@@ -300,6 +300,23 @@ START_TEST(the_bound_holds_for_grains_under_a_plate)
 }
 END_TEST
 
+/* A fixed step that is too long for a light plate is refused before it blows up, and the message says so. */
+START_TEST(a_step_too_long_for_a_plate_is_refused)
+{
+    struct calx_error e = {0};
+    int plate;
+    struct calx_scene *s = plate_on_spring(false, "velocity-verlet", 0.99, 2.1 / sqrt(K / 1e-3), &plate);
+    release(s, plate, 2, 1e-3, 0.0);
+    run_refused(s, &e);
+    ck_assert_msg(strstr(e.text, "set by a loaded plate"), "%s", e.text);
+    s = plate_on_spring(false, "velocity-verlet", 0.99, 1.9 / sqrt(K / 1e-3), &plate);
+    release(s, plate, 2, 1e-3, 0.0);
+    struct run r = run_start(s, 1);
+    run_steps(&r, 100);
+    run_free(&r);
+}
+END_TEST
+
 /* ---- bits ---- */
 
 START_TEST(the_same_bits)
@@ -364,6 +381,7 @@ int main(void)
                             the_floor_bears_load_and_weights,
                             a_plate_is_let_go_and_held,
                             a_light_plate_shortens_the_step,
+                            a_step_too_long_for_a_plate_is_refused,
                             the_bound_holds_for_grains_under_a_plate,
                             the_same_bits};
     return run_tests("plates", sizeof tests / sizeof *tests, tests);
