@@ -18,7 +18,7 @@ from paraview import servermanager, simple
 REAL = ("double", "float")
 GRAINS = {"id": (1, ("long", "long long")), "radius": (1, REAL), "velocity": (3, REAL), "spin": (3, REAL),
           "temperature": (1, REAL), "heat": (1, REAL), "force": (3, REAL), "mass": (1, REAL),
-          "material": (1, ("int",)), "contacts": (1, ("int",))}
+          "material": (1, ("int",)), "contacts": (1, ("int",)), "group": (1, ("int",))}
 WALL_POINTS = {"velocity": (3, REAL)}
 WALL_CELLS = {"wall": (1, ("int",)), "temperature": (1, REAL), "force": (3, REAL)}
 CONTACT_CELLS = {"pair": (2, ("long", "long long")), "normal_force": (1, REAL), "tangential_force": (1, REAL),
