@@ -100,6 +100,7 @@ struct calx_frame {
     /* per wall of the scene, groups included: the same numbers once more */
     size_t walls;
     double (*force_on_wall)[3];
+    double (*displacement_of_wall)[3], (*velocity_of_wall)[3]; /* m since the start, m/s; of what was at the origin of space then */
     double *temperature_of_wall;
 };
 
@@ -147,6 +148,59 @@ struct calx_peak {
 void calx_sim_watch_peak(struct calx_sim *);
 const struct calx_peak *calx_sim_peak(const struct calx_sim *);
 double calx_sim_peak_seconds(const struct calx_sim *); /* s of the clock that watching took */
+
+/* ---- profiles ----------------------------------------------------------------------------------------- */
+
+/* Means over a window in one layer: of a velocity, a temperature, a coordination number weighted by the volume of each body's slice in the
+ * layer (NaN if no body reaches into it), of forces and momentum over the volume of the layer. Stress is positive in compression; the first
+ * index is that of the force, the second that of the direction across which it acts. */
+struct calx_layer {
+    double position;          /* m, of its middle */
+    double solid_fraction;
+    double velocity[3];       /* m/s */
+    double fluctuation[3];    /* m/s, root mean square about that velocity */
+    double temperature;       /* K; NaN in a scene without */
+    double coordination;
+    double contact_stress[9]; /* Pa, sum of f_a l_b of contacts, shared out along the branch l */
+    double kinetic_stress[9]; /* Pa, sum of m v_a v_b about the layer's mean momentum */
+};
+
+/* The last window that is complete. */
+struct calx_profile_view {
+    int64_t windows;    /* complete so far */
+    double end;         /* s: when the last of them ended; minus infinity if there is none */
+    const struct calx_layer *layers; /* of scene.profiles[k], lowest first; valid until the next step */
+};
+struct calx_profile_view calx_sim_profile(const struct calx_sim *, size_t profile);
+
+/* ---- meshes: cells with numbers in them, for output -------------------------------------------------- */
+
+struct calx_mesh_array {
+    const char *name, *unit; /* unit NULL: pure numbers */
+    size_t components;
+    double *value; /* per cell; owned by the mesh */
+};
+
+/* Quadrilaterals (corners 4, in order around) or hexahedra (corners 8: one side in order around, then the other). */
+struct calx_mesh {
+    double time;
+    size_t points, cells, corners;
+    double (*position)[3];
+    int64_t *corner; /* points of each cell */
+    size_t array_count;
+    struct calx_mesh_array arrays[8];
+};
+/* With room for points and cells, zeroed; no arrays yet. NULL without memory. */
+struct calx_mesh *calx_mesh_create(size_t points, size_t cells, size_t corners);
+/* Room for an array, zeroed, owned by the mesh; NULL without memory. name and unit must outlive the mesh. */
+double *calx_mesh_add(struct calx_mesh *, const char *name, const char *unit, size_t components);
+void calx_mesh_free(struct calx_mesh *);
+
+/* The slab behind a wall that has one, at its present pose, with the temperature of its cells: quadrilaterals, in 3D hexahedra. NULL without
+ * memory. */
+struct calx_mesh *calx_sim_slab_mesh(const struct calx_sim *, int wall);
+/* K, the mean or the largest of its cells; NaN if there is no slab. */
+double calx_sim_slab_temperature(const struct calx_sim *, int wall, bool largest);
 
 /* ---- where the time goes ------------------------------------------------------------------------------ */
 

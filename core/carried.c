@@ -117,7 +117,7 @@ void calx_carried_take(struct calx_sim *s, size_t block, const struct calx_pass 
         if (pass->conduct && !s->plan->global_heat)
             t->wall_heat -= row[7];
         else
-            t->wall_heat_lost += row[7] * (pass->conduct ? s->heat_dt : pass->dt);
+            t->wall_heat_lost += row[7] * s->heat_interval;
     }
 }
 

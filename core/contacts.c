@@ -113,7 +113,7 @@ static struct calx_block_view view_block(struct calx_sim *s, size_t block, doubl
     return (struct calx_block_view){.s = s, .block = rb, .tally = &s->tallies[block],
                                     .x = calx_row_x(s, rb->first), .v = calx_row_v(s, rb->first),
                                     .a = a, .dt = dt,
-                                    .interval = conduct ? s->heat_dt : dt, .conduct = conduct};
+                                    .interval = s->heat_interval, .conduct = conduct};
 }
 
 /* Batches of the evaluated pairs of a block, in list order. */

@@ -66,6 +66,10 @@ static void describe_stability(struct calx_sim *s, FILE *out)
         fprintf(out, "  contacts now   none that vibrates%s\n", s->plan->adapts ? "; the step follows the contacts" : "");
         return;
     }
+    if (now.id < 0) {
+        fprintf(out, "  contacts now   stable up to %.4g s at least, which a loaded plate sets: the step is %.3g of it\n", now.limit, s->dt / now.limit);
+        return;
+    }
     fprintf(out, "  contacts now   stable up to %.4g s at least, which particle %lld with %d contact%s sets (%.4g s by iteration; plain sums "
             "of stiffness: %.4g s): the step%s is %.3g of it\n", now.limit, (long long)now.id, now.contacts,
             now.contacts == 1 ? "" : "s", now.sharp, now.plain, s->plan->adapts ? ", which follows the contacts," : "", s->dt / now.limit);
@@ -145,6 +149,27 @@ static void describe_biot(struct calx_sim *s, FILE *out)
         fprintf(out, "  Biot number    no contact yet\n");
 }
 
+static void describe_parts(const struct calx_scene *scene, FILE *out)
+{
+    for (size_t k = 0; k < scene->stage_count; k++)
+        for (size_t w = 0; w < scene->wall_count; w++) {
+            const struct calx_motion *m = &scene->stages[k].motion[w];
+            if (m->free && (k == 0 || !scene->stages[k - 1].motion[w].free))
+                fprintf(out, "  plate          '%s' is free along %c from stage '%s' on, %g kg\n", scene->walls[w].name,
+                        "xyz"[m->free_axis], scene->stages[k].name, m->mass);
+        }
+    for (size_t w = 0; w < scene->wall_count; w++) {
+        const struct calx_slab *b = &scene->walls[w].slab;
+        if (b->along)
+            fprintf(out, "  slab           behind '%s', %zu by %zu cells of %.3g by %.3g m\n", scene->walls[w].name, b->along, b->deep,
+                    b->length / (double)b->along, b->depth / (double)b->deep);
+    }
+    for (size_t k = 0; k < scene->profile_count; k++)
+        fprintf(out, "  profile        '%s', %zu layers along %c, %lld samples per window of %g s\n", scene->profiles[k].name,
+                scene->profiles[k].layers, "xyz"[scene->profiles[k].axis],
+                llround(scene->profiles[k].over / scene->profiles[k].every), scene->profiles[k].over);
+}
+
 void calx_sim_describe(const struct calx_sim *sim, FILE *out)
 {
     struct calx_sim *s = (struct calx_sim *)sim; /* looking at contacts refreshes ghosts, nothing else */
@@ -166,6 +191,7 @@ void calx_sim_describe(const struct calx_sim *sim, FILE *out)
         describe_times(s, out);
     describe_heat_limit(s, out);
     describe_biot(s, out);
+    describe_parts(scene, out);
     fprintf(out, "computed\n");
     describe_features(s, out);
     struct calx_features f = calx_sim_features(s);

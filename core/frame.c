@@ -41,6 +41,15 @@ static int32_t group_number(const struct calx_scene *scene, int32_t carrier)
     return number;
 }
 
+/* A body that a plate carries has the plate's velocity; its row has the one that the contacts saw. */
+static void take_plate(const struct calx_sim *s, size_t i, double velocity[3])
+{
+    int32_t wall = s->scene->particles.carrier ? s->scene->particles.carrier[i] : -1;
+    const struct calx_motion *m = wall < 0 ? NULL : &s->scene->stages[s->stage].motion[wall];
+    if (m && m->free)
+        velocity[m->free_axis] = s->plates[wall].speed;
+}
+
 static void copy_particle(const struct calx_sim *s, int32_t row, struct calx_frame *f)
 {
     size_t i = (size_t)s->r.id[row];
@@ -61,6 +70,7 @@ static void copy_particle(const struct calx_sim *s, int32_t row, struct calx_fra
         if (f->spin)
             f->spin[i][k] = v[4 + k];
     }
+    take_plate(s, i, f->velocity[i]);
     if (f->temperature) {
         f->temperature[i] = v[7];
         f->heat[i] = a[7];
@@ -97,7 +107,7 @@ void calx_frame_free(struct calx_frame *f)
                    f->mass, f->material, f->contacts, f->pair, f->pair_position, f->normal_force,
                    f->tangential_force, f->heat_flow, f->overlap, f->status, f->wall_position, f->wall_cell,
                    f->wall_of_cell, f->wall_velocity, f->wall_temperature, f->wall_force, f->group,
-                   f->force_on_wall, f->temperature_of_wall};
+                   f->force_on_wall, f->temperature_of_wall, f->displacement_of_wall, f->velocity_of_wall};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         free(all[k]);
     free(f);

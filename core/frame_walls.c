@@ -207,12 +207,20 @@ static int copy_totals(const struct calx_sim *s, struct calx_frame *f)
 {
     f->walls = s->scene->wall_count;
     f->force_on_wall = calx_memory_zeroed(f->walls, sizeof *f->force_on_wall);
+    f->displacement_of_wall = calx_memory_zeroed(f->walls, sizeof *f->displacement_of_wall);
+    f->velocity_of_wall = calx_memory_zeroed(f->walls, sizeof *f->velocity_of_wall);
     f->temperature_of_wall = s->features.temperature ? calx_memory_zeroed(f->walls, sizeof(double)) : NULL;
-    if (!f->force_on_wall || (s->features.temperature && !f->temperature_of_wall))
+    if (!f->force_on_wall || !f->displacement_of_wall || !f->velocity_of_wall || (s->features.temperature && !f->temperature_of_wall))
         return 1;
     memcpy(f->force_on_wall, s->wall_force, f->walls * sizeof *f->force_on_wall);
+    for (size_t w = 0; w < f->walls; w++) {
+        memcpy(f->displacement_of_wall[w], s->poses[w].shift, sizeof f->displacement_of_wall[w]);
+        calx_walls_velocity(s, (int)w, s->poses[w].shift, f->velocity_of_wall[w]);
+    }
     for (size_t w = 0; f->temperature_of_wall && w < f->walls; w++)
-        f->temperature_of_wall[w] = s->scene->walls[w].isothermal ? s->wall_temperature[w] : NAN;
+        f->temperature_of_wall[w] = s->scene->walls[w].isothermal       ? s->wall_temperature[w]
+                                    : calx_wall_has_slab(s, (int)w) ? calx_slabs_mean(s, (int)w, true)
+                                                                    : NAN;
     return 0;
 }
 

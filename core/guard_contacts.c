@@ -100,12 +100,14 @@ static int too_short(const struct calx_sim *s, const struct calx_stability *now,
 
 static int unstable(const struct calx_sim *s, const struct calx_stability *now, struct calx_error *e)
 {
-    char laws[CALX_GUARD_TEXT];
+    char laws[CALX_GUARD_TEXT], whose[64] = "a loaded plate";
     calx_guard_laws(s->plan, laws);
+    if (now->id >= 0)
+        snprintf(whose, sizeof whose, "particle %lld with %d contacts", (long long)now->id, now->contacts);
     return calx_error_set(e, CALX_ERROR_PHYSICS,
-        "at t = %g s dt = %g s is above the stability limit of the contacts, %g s, which particle %lld with %d contacts sets (%.120s): "
-        "motion would blow up. Use dt=\"%.2g s\" or less, or dt=\"auto\"", s->time, s->dt, now->sharp, (long long)now->id,
-        now->contacts, laws, ADVISED_SHARE * now->limit);
+        "at t = %g s dt = %g s is above the stability limit of the contacts, %g s, which %s sets (%.120s): "
+        "motion would blow up. Use dt=\"%.2g s\" or less, or dt=\"auto\"", s->time, s->dt, now->sharp, whose, laws,
+        ADVISED_SHARE * now->limit);
 }
 
 static void note_contacts(struct calx_sim *s, double *depth, int64_t *contacts)

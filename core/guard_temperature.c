@@ -52,6 +52,13 @@ void calx_guard_begin(struct calx_sim *s)
             s->coldest = fmin(s->coldest, calx_row_v(s, row)[7]);
             s->hottest = fmax(s->hottest, calx_row_v(s, row)[7]);
         }
+    for (size_t w = 0; w < s->scene->wall_count; w++) {
+        const struct calx_slab *b = &s->scene->walls[w].slab;
+        if (!calx_wall_has_slab(s, (int)w))
+            continue;
+        s->coldest = fmin(s->coldest, b->far_isothermal ? fmin(b->start, b->far) : b->start);
+        s->hottest = fmax(s->hottest, b->far_isothermal ? fmax(b->start, b->far) : b->start);
+    }
     calx_guard_walls(s);
 }
 

@@ -74,5 +74,9 @@ uint64_t calx_sim_hash(const struct calx_sim *s)
         for (size_t k = 0; k < block->wall_count; k++)
             h += hash_wall_contact(s, block->near_first + k);
     }
+    h = feed(h, s->slab_temperature, s->slab_cells * sizeof(double));
+    for (size_t w = 0; w < s->scene->wall_count; w++)
+        if (s->scene->stages[s->stage].motion[w].free)
+            h = feed(feed(h, &s->plates[w].shift, sizeof(double)), &s->plates[w].speed, sizeof(double));
     return mix(h);
 }

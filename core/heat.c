@@ -6,6 +6,7 @@
  */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "core/columns.h"
 
@@ -40,7 +41,8 @@ static void take_wall_heat(struct calx_sim *s)
 /* Arrays of the network, compact: node k is the k-th particle in order. */
 struct network_arrays {
     double *temperature, *capacity, *source, *h, *bh, *bt, *heat;
-    int32_t *i, *j, *bi;
+    int32_t *i, *j, *bi, *wall; /* wall: of a boundary, -1 if it is a body of given temperature; */
+    double (*at)[3];            /* where it is on the wall */
     size_t edges, boundaries;
 };
 
@@ -56,13 +58,15 @@ static int allocate(const struct calx_sim *s, struct network_arrays *a, size_t e
     a->bt = malloc((boundaries + 1) * sizeof(double));
     a->heat = calloc(boundaries + 1, sizeof(double));
     a->bi = malloc((boundaries + 1) * sizeof(int32_t));
+    a->wall = malloc((boundaries + 1) * sizeof(int32_t));
+    a->at = calloc(boundaries + 1, sizeof *a->at);
     return !a->temperature || !a->capacity || !a->source || !a->h || !a->i || !a->j || !a->bh || !a->bt ||
-           !a->heat || !a->bi;
+           !a->heat || !a->bi || !a->wall || !a->at;
 }
 
 static void release(struct network_arrays *a)
 {
-    void *all[] = {a->temperature, a->capacity, a->source, a->h, a->i, a->j, a->bh, a->bt, a->heat, a->bi};
+    void *all[] = {a->temperature, a->capacity, a->source, a->h, a->i, a->j, a->bh, a->bt, a->heat, a->bi, a->wall, a->at};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         free(all[k]);
 }
@@ -87,6 +91,15 @@ static void add_boundary(const struct calx_sim *s, struct network_arrays *a, int
     a->bi[w] = place_of_row(s, row);
     a->bh[w] = h;
     a->bt[w] = t;
+    a->wall[w] = -1;
+}
+
+static void add_wall(const struct calx_sim *s, struct network_arrays *a, size_t k)
+{
+    size_t w = a->boundaries;
+    add_boundary(s, a, s->boundary_i[k], s->boundary_h[k], s->boundary_t[k]);
+    a->wall[w] = s->boundary_wall[k];
+    memcpy(a->at[w], s->boundary_at[k], sizeof a->at[w]);
 }
 
 /* A body of given temperature is a boundary to the others. */
@@ -109,7 +122,7 @@ static void fill_edges(const struct calx_sim *s, struct network_arrays *a)
         for (size_t k = first; k < first + s->tallies[b].edges; k++)
             add_edge(s, a, s->edge_i[k], s->edge_j[k], s->edge_h[k]);
         for (size_t k = near; k < near + s->tallies[b].boundaries; k++)
-            add_boundary(s, a, s->boundary_i[k], s->boundary_h[k], s->boundary_t[k]);
+            add_wall(s, a, k);
     }
 }
 
@@ -120,7 +133,10 @@ static void take_temperatures(struct calx_sim *s, const struct network_arrays *a
         for (int32_t row = s->blocks[b].first; row < s->blocks[b].first + s->blocks[b].own; row++, k++)
             calx_row_v(s, row)[7] = a->temperature[k];
     for (size_t w = 0; w < a->boundaries; w++)
-        s->wall_heat += a->heat[w];
+        if (a->wall[w] >= 0 && calx_wall_has_slab(s, a->wall[w]))
+            calx_slabs_add(s, a->wall[w], a->at[w], -a->heat[w]);
+        else
+            s->wall_heat += a->heat[w];
 }
 
 static int step_global(struct calx_sim *s, struct calx_error *e)
@@ -161,9 +177,10 @@ int calx_heat_step(struct calx_sim *s, struct calx_error *e)
     if ((s->stage_step - s->pace_step) % s->heat_every)
         return 0;
     if (s->plan->global_heat)
-        return step_global(s, e);
-    take_wall_heat(s);
-    return 0;
+        CALX_TRY(step_global(s, e));
+    else
+        take_wall_heat(s);
+    return calx_slabs_step(s, !s->plan->global_heat, e);
 }
 
 /* Sums of conductances by row; insulated walls take no heat. */
@@ -175,7 +192,7 @@ struct exchange {
 static void add_exchange(void *context, const struct calx_columns *c, size_t lane, int32_t row_i, int32_t row_j)
 {
     const struct exchange *x = context;
-    if (row_j < 0 && !x->s->scene->walls[-1 - row_j].isothermal)
+    if (row_j < 0 && !calx_wall_conducts(x->s, -1 - row_j))
         return;
     x->sum[row_i] += c->conductance[lane];
     if (row_j >= 0)

@@ -32,12 +32,16 @@ static void add_particle(const struct calx_sim *s, int32_t row, struct sums *out
     }
 }
 
-static struct sums sum_particles(const struct calx_sim *s)
+/* Of bodies, of slabs, and of plates as far as they are free. */
+static struct sums sum_bodies(const struct calx_sim *s)
 {
     struct sums out = {0};
     for (size_t b = 0; b < s->block_count; b++)
         for (int32_t row = s->blocks[b].first; row < s->blocks[b].first + s->blocks[b].own; row++)
             add_particle(s, row, &out);
+    out.heat += calx_slabs_content(s);
+    out.kinetic += calx_plates_kinetic(s);
+    out.potential += calx_plates_potential(s);
     return out;
 }
 
@@ -58,7 +62,7 @@ static long double sum_elastic(struct calx_sim *s)
 
 struct calx_ledger calx_sim_ledger(struct calx_sim *s)
 {
-    struct sums p = sum_particles(s);
+    struct sums p = sum_bodies(s);
     struct calx_ledger l = {.kinetic = (double)p.kinetic, .rotational = (double)p.rotational,
                             .elastic = (double)sum_elastic(s), .potential = (double)p.potential,
                             .dissipated = (double)s->dissipated, .gravity_work = (double)s->outside_work};
@@ -83,27 +87,34 @@ struct calx_ledger calx_sim_ledger(struct calx_sim *s)
 
 double calx_ledger_mechanical(struct calx_sim *s)
 {
-    struct sums p = sum_particles(s);
+    struct sums p = sum_bodies(s);
     return (double)(p.kinetic + p.rotational + p.potential + sum_elastic(s));
 }
 
 void calx_ledger_begin(struct calx_sim *s)
 {
-    struct sums p = sum_particles(s);
+    struct sums p = sum_bodies(s);
     s->potential0 = (double)p.potential;
     s->energy0 = p.kinetic + p.rotational + p.potential + sum_elastic(s);
     s->heat0 = p.heat;
 }
 
-void calx_ledger_step(struct calx_sim *s, double dt)
+double calx_ledger_wall_power(const struct calx_sim *s)
 {
     double power = 0.0;
+    for (size_t b = 0; b < s->block_count; b++)
+        power += s->tallies[b].wall_power;
+    return power + calx_plates_power(s);
+}
+
+void calx_ledger_step(struct calx_sim *s, double dt)
+{
+    double power = calx_ledger_wall_power(s);
     long double work = 0.0, lost = 0.0;
     for (size_t b = 0; b < s->block_count; b++) {
         const struct calx_tally *t = &s->tallies[b];
         work += t->work;
         lost += t->wall_heat_lost;
-        power += t->wall_power;
     }
     s->dissipated += work;
     s->wall_work += (long double)power * (long double)dt;
@@ -111,5 +122,6 @@ void calx_ledger_step(struct calx_sim *s, double dt)
     if (s->features.temperature) {
         s->dissipation_heat += work * (long double)s->scene->from_dissipation;
         s->wall_heat -= lost;
+        calx_slabs_take_dissipation(s);
     }
 }

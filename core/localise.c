@@ -80,10 +80,16 @@ static int order_ghosts(struct calx_local *l, int32_t own)
     return failed;
 }
 
+/* Nothing comes of the contact: both are held, neither is part of a plate that the other could move, and there is no heat. */
 static bool both_fixed(const struct calx_rebuild *r, const struct calx_found *f)
 {
-    return calx_row_v(r->sim, r->old_row[f->i])[3] <= 0.0 &&
-           calx_row_v(r->sim, r->old_row[f->j])[3] <= 0.0 && !r->sim->features.temperature;
+    const struct calx_sim *s = r->sim;
+    int32_t i = r->old_row[f->i], j = r->old_row[f->j];
+    if (calx_row_v(s, i)[3] > 0.0 || calx_row_v(s, j)[3] > 0.0 || s->features.temperature)
+        return false;
+    const int32_t *carrier = s->scene->particles.carrier;
+    int wall_i = carrier ? carrier[s->r.id[i]] : -1, wall_j = carrier ? carrier[s->r.id[j]] : -1;
+    return wall_i == wall_j || !(calx_plates_ever(s->scene, wall_i) || calx_plates_ever(s->scene, wall_j));
 }
 
 struct raw_pair {

@@ -204,22 +204,6 @@ static bool peak_force_time(const struct calx_measure_view *v, double out[3])
     return p->watched;
 }
 
-static bool wall_force(const struct calx_measure_view *v, double out[3])
-{
-    const struct calx_frame *f = calx_measure_frame(v->sim);
-    int wall = v->probe->wall;
-    return f && wall >= 0 && (size_t)wall < f->walls &&
-           copy3((const double(*)[3])f->force_on_wall, (size_t)wall, out);
-}
-
-static bool wall_temperature(const struct calx_measure_view *v, double out[3])
-{
-    const struct calx_frame *f = calx_measure_frame(v->sim);
-    int wall = v->probe->wall;
-    return f && wall >= 0 && (size_t)wall < f->walls &&
-           copy1(f->temperature_of_wall, (size_t)wall, out);
-}
-
 /* The classes belong to the probe of that name, which the caller may hold a copy of. */
 static const uint8_t *classes_of(struct calx_sim *sim, const struct calx_probe *probe)
 {
@@ -322,8 +306,20 @@ static const struct calx_measure_row rows[] = {
           "about doubles the cost of a step"),
     WHOLE("peak-force-time", "s", 1, peak_force_time, "when that force was"),
     WHOLE("momentum", "kg m/s", 3, momentum, "total momentum"),
-    WHOLE("wall-force", "N", 3, wall_force, "force of the grains on a wall"),
-    WHOLE("wall-temperature", "K", 1, wall_temperature, "temperature of a wall"),
+    WHOLE("wall-force", "N", 3, calx_measure_wall_force, "force of the grains on a wall"),
+    WHOLE("wall-displacement", "m", 3, calx_measure_wall_displacement,
+          "way of a wall, or a rigid group, since the start: of what was at the origin of space then"),
+    WHOLE("wall-velocity", "m/s", 3, calx_measure_wall_velocity, "velocity of the same point"),
+    WHOLE("wall-friction", "1", 3, calx_measure_wall_friction,
+          "force of the grains along a wall over the force normal to it; the component is the axis normal to the wall"),
+    WHOLE("wall-temperature", "K", 1, calx_measure_wall_temperature, "temperature of a wall; of the face of its slab, the mean"),
+    WHOLE("slab-mean-temperature", "K", 1, calx_measure_slab_mean, "mean temperature of the slab behind a wall"),
+    WHOLE("slab-max-temperature", "K", 1, calx_measure_slab_largest, "temperature of the hottest cell of the slab behind a wall"),
+    WHOLE("layer-velocity", "m/s", 3, calx_measure_layer_velocity, "of a layer of a profile, in its last complete window"),
+    WHOLE("layer-temperature", "K", 1, calx_measure_layer_temperature, "likewise"),
+    WHOLE("layer-solid-fraction", "1", 1, calx_measure_layer_solid_fraction, "likewise"),
+    WHOLE("layer-traction", "Pa", 3, calx_measure_layer_traction,
+          "likewise: force over area across the planes of the layer, of contacts and fluctuations; positive in compression along the axis"),
     WHOLE("residual-relative", "1", 1, residual_relative,
           "imbalance of mechanical energy over the largest energy that took part"),
     WHOLE("heat-residual-relative", "1", 1, heat_residual_relative,

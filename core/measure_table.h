@@ -22,6 +22,22 @@ struct calx_measure_row {
     size_t entry;
 };
 
+/* ---- measure_parts.c: of a wall, the slab behind it, a layer of a profile; false, or NaN, if there is none ---- */
+
+bool calx_measure_wall_force(const struct calx_measure_view *, double out[3]);
+bool calx_measure_wall_displacement(const struct calx_measure_view *, double out[3]);
+bool calx_measure_wall_velocity(const struct calx_measure_view *, double out[3]);
+bool calx_measure_wall_friction(const struct calx_measure_view *, double out[3]);
+bool calx_measure_wall_temperature(const struct calx_measure_view *, double out[3]);
+bool calx_measure_slab_mean(const struct calx_measure_view *, double out[3]);
+bool calx_measure_slab_largest(const struct calx_measure_view *, double out[3]);
+bool calx_measure_layer_velocity(const struct calx_measure_view *, double out[3]);
+bool calx_measure_layer_temperature(const struct calx_measure_view *, double out[3]);
+bool calx_measure_layer_solid_fraction(const struct calx_measure_view *, double out[3]);
+bool calx_measure_layer_traction(const struct calx_measure_view *, double out[3]);
+
+/* ---- the table ---- */
+
 /* The row of that name, or NULL. */
 const struct calx_measure_row *calx_measure_row(const char *name);
 

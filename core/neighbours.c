@@ -277,7 +277,7 @@ static int resize_tallies(struct calx_sim *s)
     s->tallies = calx_memory_zeroed(s->block_count, sizeof *s->tallies);
     s->block_wall_force = calx_memory_zeroed(s->block_count * s->scene->wall_count,
                                              sizeof *s->block_wall_force);
-    return !s->tallies || !s->block_wall_force;
+    return !s->tallies || !s->block_wall_force || calx_slabs_room(s);
 }
 
 /* Rows of accelerations of the largest block, for each thread. */
@@ -303,10 +303,11 @@ static int resize_network(struct calx_sim *s)
     s->edge_capacity = s->pairs.places;
     s->boundary_capacity = s->near_count;
     void **all[] = {(void **)&s->edge_i, (void **)&s->edge_j, (void **)&s->edge_h,
-                    (void **)&s->boundary_i, (void **)&s->boundary_h, (void **)&s->boundary_t};
-    size_t bytes[] = {4, 4, 8, 4, 8, 8};
+                    (void **)&s->boundary_i, (void **)&s->boundary_h, (void **)&s->boundary_t,
+                    (void **)&s->boundary_wall, (void **)&s->boundary_at};
+    size_t bytes[] = {4, 4, 8, 4, 8, 8, 4, sizeof *s->boundary_at};
     int failed = 0;
-    for (size_t k = 0; k < 6; k++) {
+    for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
         free(*all[k]);
         *all[k] = calx_memory_zeroed(k < 3 ? s->edge_capacity : s->boundary_capacity, bytes[k]);
         failed |= !*all[k];

@@ -158,10 +158,12 @@ static int refuse_fixed(struct calx_sim *s, struct calx_error *e)
     CALX_TRY(calx_stability_look(s, CALX_SHARP, &now, e)); /* not refused for the slack of the bound */
     if (s->dt <= now.limit)
         return 0;
+    char whose[64] = "a loaded plate";
+    if (now.id >= 0)
+        snprintf(whose, sizeof whose, "particle %lld with its %d contacts", (long long)now.id, now.contacts);
     return calx_error_set(e, CALX_ERROR_INPUT,
-        "dt = %g s is above the stability limit %g s of the contacts at the start, set by particle %lld with its %d contacts: use "
-        "dt=\"%.2g s\" or dt=\"auto\"; force=\"yes\" runs it all the same", s->dt, now.limit, (long long)now.id,
-        now.contacts, ADVISED * now.limit);
+        "dt = %g s is above the stability limit %g s of the contacts at the start, set by %s: use "
+        "dt=\"%.2g s\" or dt=\"auto\"; force=\"yes\" runs it all the same", s->dt, now.limit, whose, ADVISED * now.limit);
 }
 
 int calx_pace_begin(struct calx_sim *s, struct calx_error *e)

@@ -135,7 +135,13 @@ static void list_walls(struct calx_sim *s, const struct scalars *n, struct array
     add(l, "stage_poses", &s->stage_poses, walls * sizeof *s->stage_poses);
     add(l, "wall_angle", &s->wall_angle, walls * sizeof *s->wall_angle);
     add(l, "wall_shift", &s->wall_shift, walls * sizeof *s->wall_shift);
+    add(l, "plates", &s->plates, walls * sizeof *s->plates);
     add(l, "wall_temperature", &s->wall_temperature, walls * sizeof *s->wall_temperature);
+    if (s->slab_cells) {
+        add(l, "slab_temperature", &s->slab_temperature, s->slab_cells * sizeof *s->slab_temperature);
+        add(l, "slab_heat", &s->slab_heat, s->slab_faces * sizeof *s->slab_heat);
+        add(l, "block_faces", &s->block_faces, n->block_count * s->slab_faces * sizeof *s->block_faces);
+    }
     add(l, "wall_force", &s->wall_force, walls * sizeof *s->wall_force);
     add(l, "block_wall_force", &s->block_wall_force, n->block_count * walls * sizeof *s->block_wall_force);
     for (size_t p = 0; p < s->scene->probe_count; p++)
@@ -144,6 +150,18 @@ static void list_walls(struct calx_sim *s, const struct scalars *n, struct array
             snprintf(name, sizeof name, "classes%zu", p);
             add(l, name, &s->classes[p], s->n);
         }
+}
+
+static void list_profiles(struct calx_sim *s, struct array_list *l)
+{
+    size_t layers = 0;
+    for (size_t p = 0; p < s->scene->profile_count; p++)
+        layers += s->scene->profiles[p].layers;
+    if (!layers)
+        return;
+    add(l, "profile_clocks", &s->profile_clocks, s->scene->profile_count * sizeof *s->profile_clocks);
+    add(l, "layer_sums", &s->layer_sums, layers * sizeof *s->layer_sums);
+    add(l, "layers", &s->layers, layers * sizeof *s->layers);
 }
 
 static void list_network(struct calx_sim *s, const struct scalars *n, struct array_list *l)
@@ -156,6 +174,8 @@ static void list_network(struct calx_sim *s, const struct scalars *n, struct arr
     add(l, "boundary_i", &s->boundary_i, n->boundary_capacity * 4);
     add(l, "boundary_h", &s->boundary_h, n->boundary_capacity * 8);
     add(l, "boundary_t", &s->boundary_t, n->boundary_capacity * 8);
+    add(l, "boundary_wall", &s->boundary_wall, n->boundary_capacity * 4);
+    add(l, "boundary_at", &s->boundary_at, n->boundary_capacity * sizeof *s->boundary_at);
 }
 
 static void list_all(struct calx_sim *s, const struct scalars *n, size_t columns, struct array_list *l)
@@ -165,6 +185,7 @@ static void list_all(struct calx_sim *s, const struct scalars *n, size_t columns
     list_contacts(s, n, columns, l);
     list_walls(s, n, l);
     list_network(s, n, l);
+    list_profiles(s, l);
 }
 
 int calx_sim_save(struct calx_sim *s, struct calx_block **blocks, size_t *count, struct calx_error *e)
@@ -242,6 +263,7 @@ int calx_sim_restore(struct calx_sim *s, const struct calx_block *blocks, size_t
             memcpy(*list.items[k].pointer, b->data, b->bytes);
     }
     calx_pace_resume(s);
+    calx_profile_resume(s);
     calx_measure_clear(&s->measure);
     s->walls_changed = true;
     if (calx_team_form(s))

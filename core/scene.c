@@ -56,6 +56,7 @@ static void free_lists(struct calx_scene *scene)
     free(scene->probes);
     free(scene->expects);
     free(scene->exacts);
+    free(scene->profiles);
 }
 
 void calx_scene_free(struct calx_scene *scene)

@@ -90,6 +90,24 @@ struct calx_motion {
     double amplitude[3], frequency, phase;     /* oscillation: amplitude*(sin(2 pi f tau + phase) - sin(phase)); m, 1/s, rad */
     bool has_displacement;
     struct calx_function displacement[3]; /* m, of the time of the run; minus its value when the stage began */
+    /* A loaded plate (core/plates.c): along one axis the wall is a body of finite mass that moves under contacts, load and gravity. Nothing
+     * above prescribes that axis, and the wall does not turn. */
+    bool free;
+    int free_axis;                    /* 0, 1, 2 */
+    double mass, damping;             /* kg; N s/m, of its speed along the axis */
+    struct calx_function load;        /* N along the axis */
+};
+
+/* The solid behind a wall, in the pose at the start: from `corner` it reaches by `length` along axis[0] on the face, by `depth` along axis[1] into
+ * it and by `width` along axis[2], in which direction nothing changes. `along` by `deep` cells. */
+struct calx_slab {
+    size_t along, deep;    /* 0: the wall has no slab */
+    double corner[3], axis[3][3], length, depth, width; /* m */
+    bool periodic;         /* the ends of the face meet */
+    bool far_isothermal;   /* else insulated */
+    double far, start;     /* K: of the far face; of the slab at the start */
+    double conductivity, capacity; /* W/(m K); J/(m3 K) */
+    double theta;
 };
 
 struct calx_wall {
@@ -101,6 +119,7 @@ struct calx_wall {
     struct calx_primitive *primitives;
     bool closed;           /* the segments bound an inside */
     bool carries;          /* it has no surface: a group of particles, which it carries */
+    struct calx_slab slab; /* a wall with one is not isothermal: its temperature is that of the slab's face */
     struct calx_place place;
 };
 
@@ -160,6 +179,8 @@ struct calx_probe {
     int64_t particle;   /* id, or -1 */
     int material;       /* restrict means to one material, or -1 */
     int wall;           /* for wall quantities, or -1 */
+    int profile;        /* for quantities of layers, */
+    int64_t layer;      /* from 1, the lowest; else 0, 0 */
     char component;     /* 'x', 'y', 'z', 'm' (magnitude) or 0 */
     char reduce[12];    /* mean, min, max, sum, std */
     char classes[32];   /* lacey-index: what divides the grains: start-height, start-x, material, start-radius, start-temperature */
@@ -189,6 +210,18 @@ struct calx_exact {
     struct calx_function value; /* of t, SI */
     double from;                /* s */
     char source[256];
+    struct calx_place place;
+};
+
+/* Layers of equal thickness across one axis, and means over windows of time in each (core/profile.c). */
+struct calx_profile {
+    char name[48];
+    int axis;                /* 0, 1, 2 */
+    size_t layers;
+    double low[3], high[3];  /* m: of all layers together; in 2D their depth along z */
+    double every, over;      /* s: between samples; length of a window, a whole number of samples */
+    double after;            /* s: the first window begins */
+    bool groups;             /* bodies of rigid groups count too */
     struct calx_place place;
 };
 
@@ -222,6 +255,8 @@ struct calx_scene {
     struct calx_expect *expects;
     size_t exact_count;
     struct calx_exact *exacts;
+    size_t profile_count;
+    struct calx_profile *profiles;
     size_t attachment_count;
     struct calx_attachment { void *what; void (*release)(void *); } *attachments;
     size_t file_count;

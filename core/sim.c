@@ -40,10 +40,7 @@ static int first_forces(struct calx_sim *s, struct calx_error *e)
     struct calx_pass pass = {.conduct = s->plan->conductance != NULL, .stage = -1};
     CALX_TRY(calx_step_forces(s, &pass, e));
     CALX_TRY(calx_pace_begin(s, e));
-    double power = 0.0;
-    for (size_t b = 0; b < s->block_count; b++)
-        power += s->tallies[b].wall_power;
-    s->wall_work = 0.5 * power * s->dt; /* the force at t = 0 acts for half a step */
+    s->wall_work = 0.5 * calx_ledger_wall_power(s) * s->dt; /* the force at t = 0 acts for half a step */
     CALX_TRY(calx_motion_start(s, e));
     calx_ledger_begin(s);
     calx_measure_begin_stage(s, 0);
@@ -57,9 +54,11 @@ static int create(struct calx_sim *s, struct calx_error *e)
     CALX_TRY(calx_plan_create(s, e));
     CALX_TRY(calx_walls_create(s, e));
     CALX_TRY(calx_particles_create(s, e));
+    CALX_TRY(calx_slabs_create(s, e));
     CALX_TRY(calx_skin_choose(s, e));
     CALX_TRY(create_scratch(s, e));
     CALX_TRY(create_classes(s, e));
+    CALX_TRY(calx_profile_create(s, e));
     s->engine = calx_engine_pick(NULL);
     return first_forces(s, e);
 }
@@ -110,10 +109,12 @@ void calx_sim_free(struct calx_sim *s)
         free(s->classes[p]);
     void *all[] = {s->pairs.i, s->pairs.j, s->pairs.touching, s->pairs.history, s->pairs.apart_i, s->pairs.apart_j, s->blocks, s->groups,
                    s->collect_to, s->collect_from, s->tallies, s->posed, s->poses, s->stage_poses,
-                   s->wall_angle, s->wall_shift, s->wall_temperature, s->near_row, s->near_primitive,
+                   s->wall_angle, s->wall_shift, s->plates, s->wall_temperature, s->near_row, s->near_primitive,
                    s->wall_contacts, s->wall_contacts_next, s->wall_history, s->wall_history_next,
-                   s->wall_force, s->block_wall_force, s->edge_i, s->edge_j, s->boundary_i, s->edge_h,
-                   s->boundary_h, s->boundary_t, s->carried, s->classes, s->saved, s->clocks};
+                   s->wall_force, s->block_wall_force, s->edge_i, s->edge_j, s->boundary_i, s->boundary_wall, s->boundary_at, s->edge_h,
+                   s->boundary_h, s->boundary_t, s->carried, s->classes, s->saved, s->clocks,
+                   s->profile_clocks, s->layer_sums, s->layers, s->slab_cell, s->slab_face, s->slab_temperature, s->slab_heat,
+                   s->block_faces};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         free(all[k]);
     free(s);
@@ -192,7 +193,7 @@ uint8_t *calx_sim_probe_classes(struct calx_sim *s, size_t probe)
 
 static size_t network_bytes(const struct calx_sim *s)
 {
-    return s->edge_capacity * 16 + s->boundary_capacity * 20;
+    return s->edge_capacity * 16 + s->boundary_capacity * 48;
 }
 
 struct calx_features calx_sim_features(const struct calx_sim *s)

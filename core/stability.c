@@ -32,6 +32,7 @@ struct network {
     double (*share)[2]; /* per contact: q of the normal and of the tangential part */
     size_t *first, *list; /* contacts of each row: 2*contact + end */
     double *step;     /* s, per row: the step that its block allows */
+    double *plate;    /* 1/s2, per wall: sum of stiffness along its free axis over its mass; 0 for the others */
     double limit;     /* of omega*dt */
 };
 
@@ -149,6 +150,84 @@ static double step_of(double limit, double k, double c)
     return root > 0.0 ? 2.0 * limit / root : INFINITY;
 }
 
+/* ---- plates: walls and groups of finite mass along one axis ---- */
+
+/* The plate that this end of a contact is part of, or -1. */
+static int plate_of(const struct network *n, int32_t row)
+{
+    const struct calx_scene *scene = n->s->scene;
+    int wall = row < 0 ? -1 - row : scene->particles.carrier ? scene->particles.carrier[n->s->r.id[row]] : -1;
+    return wall >= 0 && scene->stages[n->s->stage].motion[wall].free ? wall : -1;
+}
+
+/* The part of a contact's normal (0) or tangential (1) stiffness that acts along the plate's axis, over its mass. */
+static double plate_part(const struct network *n, const struct calx_tangent *t, int plate, int q)
+{
+    const struct calx_motion *m = &n->s->scene->stages[n->s->stage].motion[plate];
+    double square = t->normal[m->free_axis] * t->normal[m->free_axis];
+    return (q ? 1.0 - square : square) / m->mass;
+}
+
+static void sum_plates(const struct network *n)
+{
+    for (size_t c = 0; c < n->contacts.count; c++)
+        for (int b = 0; b < 2; b++) {
+            const struct calx_tangent *t = &n->contacts.list[c];
+            int plate = plate_of(n, t->row[b]);
+            for (int q = 0; plate >= 0 && q < 2; q++)
+                n->plate[plate] += plate_part(n, t, plate, q) * t->stiffness[q];
+        }
+}
+
+/* q of a contact with a plate, for end b that is a body: what its contacts with the plate make of its block then grows by no more than the
+ * plate's own sum. */
+static double plate_share(const struct network *n, const struct calx_tangent *t, int b, int q)
+{
+    int plate = plate_of(n, t->row[1 - b]);
+    struct end e = end_of(n->s, t, b);
+    double own = t->stiffness[q] * (q ? e.turn : e.inverse_mass);
+    return plate >= 0 && own > 0.0 ? n->plate[plate] / own : 0.0;
+}
+
+static double plates_step(const struct network *n)
+{
+    double least = INFINITY;
+    for (int w = 0; w < (int)n->s->scene->wall_count; w++) {
+        double sum[2] = {0.0}; /* its own damping is implicit */
+        for (size_t c = 0; c < n->contacts.count && n->plate[w] > 0.0; c++)
+            for (int k = 0; k < 4; k++) {
+                const struct calx_tangent *t = &n->contacts.list[c];
+                int b = k / 2, q = k % 2;
+                if (plate_of(n, t->row[b]) != w)
+                    continue;
+                double share = plate_share(n, t, 1 - b, q), times = share > 0.0 ? 1.0 + 1.0 / share : 1.0;
+                sum[0] += times * plate_part(n, t, w, q) * t->stiffness[q];
+                sum[1] += times * plate_part(n, t, w, q) * t->damping[q];
+            }
+        least = fmin(least, step_of(n->limit, sum[0], sum[1]));
+    }
+    return least;
+}
+
+/* From above: a plate between bodies that stay where they are. */
+static double plates_alone(const struct network *n)
+{
+    double least = INFINITY;
+    for (size_t w = 0; w < n->s->scene->wall_count; w++)
+        least = fmin(least, step_of(n->limit, n->plate[w], 0.0));
+    return least;
+}
+
+static void take_plates(const struct network *n, struct calx_stability *out)
+{
+    double step = plates_step(n);
+    if (!(step < out->limit))
+        return;
+    out->limit = step;
+    out->id = -1;
+    out->contacts = 0;
+}
+
 static double row_step(const struct network *n, size_t row)
 {
     double block[2][LANES][LANES] = {{{0}}};
@@ -159,7 +238,7 @@ static double row_step(const struct network *n, size_t row)
         double stiffness[2], damping[2], sign = b ? -1.0 : 1.0;
         for (int q = 0; q < 2; q++) {
             double share = n->share[n->list[k] / 2][q];
-            double times = !moves(n, t->row[1 - b]) ? 1.0 : 1.0 + (b ? 1.0 / share : share);
+            double times = !moves(n, t->row[1 - b]) ? 1.0 + plate_share(n, t, b, q) : 1.0 + (b ? 1.0 / share : share);
             stiffness[q] = times * t->stiffness[q];
             damping[q] = times * t->damping[q];
         }
@@ -352,18 +431,21 @@ int calx_stability_look(struct calx_sim *s, enum calx_effort effort, struct calx
     n.limit = s->plan->motion_law->stability;
     n.step = calloc(s->r.rows + 1, sizeof *n.step);
     n.share = malloc((n.contacts.count + 1) * sizeof *n.share);
+    n.plate = calloc(s->scene->wall_count + 1, sizeof *n.plate);
     int code = 0;
-    if (!n.step || !n.share || list_ends(&n)) {
+    if (!n.step || !n.share || !n.plate || list_ends(&n)) {
         code = calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for the longest stable step");
     } else {
         find_shortest(&n, out);
+        sum_plates(&n);
         out->limit = out->plain = plain_step(&n, out);
         if (effort > CALX_QUICK)
             bound(&n, effort == CALX_SHARP ? MANY_SWEEPS : SWEEPS, out);
+        take_plates(&n, out);
         if (effort == CALX_SHARP && isfinite(out->limit))
-            out->sharp = power_step(&n, out->limit, e, &code);
+            out->sharp = fmin(power_step(&n, out->limit, e, &code), plates_alone(&n));
     }
-    void *all[] = {n.step, n.share, n.first, n.list, n.contacts.list};
+    void *all[] = {n.step, n.share, n.plate, n.first, n.list, n.contacts.list};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         free(all[k]);
     return code;

@@ -16,9 +16,9 @@ enum calx_effort {
 
 struct calx_stability {
     double limit;         /* s: steps up to this one are stable; infinite if nothing vibrates */
-    double sharp;         /* s: the limit itself, by iteration, which comes from above; NaN if not asked for */
+    double sharp;         /* s: the limit itself, by iteration, which comes from above, of bodies, and of plates alone; NaN if not asked for */
     double plain;         /* s: the same bound by plain sums of stiffness, for comparison */
-    int64_t id;           /* the particle with the least limit; -1: none */
+    int64_t id;           /* the particle with the least limit; -1: a loaded plate has it, or none */
     int32_t contacts;     /* that it has */
     double shortest;      /* s: half a period of the fastest single contact */
     int64_t pair[2];      /* which */

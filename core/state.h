@@ -106,6 +106,17 @@ struct calx_pose {
     double ago, past_speed[3], past_spin[3]; /* the same velocity_lag*dt = ago (s) before: what the laws see */
 };
 
+/* The one degree of freedom of a wall whose motion has `free` (plates.c), at the last evaluation of forces that was kept. Whoever wants
+ * to solve for plates and contacts together finds here all that there is: mass and axis are in struct calx_motion of the stage. */
+struct calx_plate {
+    double time;          /* s: of that evaluation */
+    double shift, speed;  /* m since the stage began; m/s, along the axis */
+    double risen;         /* m: by how much before this stage, while it was free: shift + risen is against gravity */
+    double contact, load; /* N along the axis: of the grains; given */
+    double acceleration;  /* m/s2 */
+    double power;         /* W: of the grains' force, with the speed that the contacts saw */
+};
+
 struct calx_carried { /* a body that a wall carries */
     int32_t row, wall;
 };
@@ -113,6 +124,24 @@ struct calx_carried { /* a body that a wall carries */
 struct calx_posed { /* a primitive in its present place */
     struct calx_primitive p;
     int32_t wall;
+};
+
+/* Sums over the samples of a window in one layer, see profile.c. */
+struct calx_layer_sums {
+    double volume, velocity[3], square[3], temperature, contacts; /* weighted by the volume of slices */
+    double mass, momentum[3], flux[9], contact[9];
+};
+
+struct calx_profile_clock {
+    int64_t taken;            /* multiples of the interval so far */
+    int64_t samples, windows; /* in this window; complete ones */
+    double end;               /* s, of the last window */
+};
+
+/* What the contacts of one block do to a cell of a slab's face. */
+struct calx_face {
+    double flow, conductance; /* W into the slab, W/K: when heat conducts */
+    double lost;              /* J: dissipation that heats the slab, since the last evaluation */
 };
 
 /* What one block found in one step; summed in block order. */
@@ -174,10 +203,12 @@ struct calx_sim {
     /* time */
     double time, stage_start, dt_now;
     double rows_dt;             /* s: the step that integrator kernels see */
+    double evaluated;           /* s: the time of the evaluation under way, where walls are */
     double lag;                 /* s: of the evaluation under way, velocities are those of so long before; 0 in between */
     bool trial;                 /* the evaluation under way leaves history and books as they are; false in between */
     double memory[CALX_MEMORY]; /* of a global integrator */
     double dt, heat_dt;         /* s, the steps now */
+    double heat_interval;       /* s: over which the evaluation under way spreads what is dissipated: the heat step that it ends, or its own */
     int64_t heat_every;
     double pace_time;           /* s: when steps of this length began, */
     int64_t pace_step;          /* and the step of the stage then */
@@ -223,6 +254,7 @@ struct calx_sim {
     struct calx_pose *poses, *stage_poses;
     double *wall_angle;         /* rad since the stage began */
     double (*wall_shift)[3];    /* m since the stage began */
+    struct calx_plate *plates;  /* per wall */
     double *wall_temperature;   /* K now; NULL without temperature */
     double wall_reach;          /* m: no grain is farther from anything */
     int32_t *near_row, *near_primitive;
@@ -232,13 +264,18 @@ struct calx_sim {
     double (*wall_force)[3];    /* N on each wall, of the last force evaluation; by block then summed */
     double (*block_wall_force)[3];
     bool walls_changed;
+    size_t slab_cells, slab_faces; /* of all slabs, in the order of walls */
+    size_t *slab_cell, *slab_face; /* per wall: its first */
+    double *slab_temperature;      /* K */
+    double *slab_heat;             /* J per cell of a face: waits for the next heat step */
+    struct calx_face *block_faces; /* by block */
     size_t carried_count;
     struct calx_carried *carried; /* made anew whenever rows change places */
 
     /* heat network, for global integrators of temperature */
     size_t edge_capacity, boundary_capacity;
-    int32_t *edge_i, *edge_j, *boundary_i;
-    double *edge_h, *boundary_h, *boundary_t;
+    int32_t *edge_i, *edge_j, *boundary_i, *boundary_wall;
+    double *edge_h, *boundary_h, *boundary_t, (*boundary_at)[3]; /* at: the point on the wall */
 
     /* ledger */
     long double dissipated, wall_work, outside_work; /* J; outside: gravity and models that change */
@@ -268,6 +305,11 @@ struct calx_sim {
     /* probes */
     uint8_t **classes;          /* per probe, by id; NULL if the probe has none */
     struct calx_measure_cache measure;
+
+    /* profiles; layers of all of them, one profile after the other */
+    struct calx_profile_clock *profile_clocks;
+    struct calx_layer_sums *layer_sums;
+    struct calx_layer *layers;
     void *saved; /* scalars of the last calx_sim_save */
 };
 
@@ -286,6 +328,7 @@ struct calx_sink {
 struct calx_pass {
     double dt;    /* s: since the last evaluation that was kept, 0 for a mere look */
     bool conduct;
+    bool heats;   /* a heat step follows, with or without conduction */
     int stage;    /* entry of the integrator's tables whose kernel comes after; < 0: none */
     bool ahead;   /* nobody looks before the next step: its kernel before comes as well */
     bool warm;    /* the staged integrator of temperature makes its step */
@@ -375,6 +418,17 @@ void calx_walls_velocity(const struct calx_sim *, int wall, const double at[3], 
 struct calx_touch { double distance, normal[3], point[3]; bool end; };
 void calx_surface_nearest(const struct calx_primitive *, uint32_t dimension, const double x[3], struct calx_touch *);
 
+/* plates.c: walls that are free along an axis. */
+void calx_plates_begin_stage(struct calx_sim *, const struct calx_stage_spec *before); /* NULL at the start; s->stage is the new one */
+bool calx_plates_ever(const struct calx_scene *, int wall); /* free in any stage; false for -1 */
+void calx_plates_place(const struct calx_sim *, size_t wall, double t, double shift[3]); /* adds where it is expected at time t */
+double calx_plates_speed(const struct calx_sim *, size_t wall, double t); /* m/s, expected */
+/* After an evaluation that is kept, at time t, when the forces on walls are known. */
+void calx_plates_take(struct calx_sim *, double t);
+double calx_plates_power(const struct calx_sim *); /* W: what grains give to plates, which the power of walls has as loss */
+double calx_plates_kinetic(const struct calx_sim *);
+double calx_plates_potential(const struct calx_sim *);
+
 /* carried.c: bodies that walls carry. Listing: whenever rows have changed places. */
 int calx_carried_list(struct calx_sim *, struct calx_error *);
 void calx_carried_move(struct calx_sim *); /* into the present poses of their walls */
@@ -389,10 +443,37 @@ int calx_heat_step(struct calx_sim *, struct calx_error *); /* after the forces 
 int calx_heat_limit(struct calx_sim *, double *limit, int64_t *id, struct calx_error *);
 int calx_heat_check(struct calx_sim *, struct calx_error *); /* fails if the heat step is unstable: max sum H/C, Gershgorin */
 
+/* slabs.c: solids behind walls. */
+static inline bool calx_wall_has_slab(const struct calx_sim *s, int wall)
+{
+    return s->scene->walls[wall].slab.along > 0;
+}
+/* Whether heat flows between the wall and grains on it. */
+static inline bool calx_wall_conducts(const struct calx_sim *s, int wall)
+{
+    return s->scene->walls[wall].isothermal || calx_wall_has_slab(s, wall);
+}
+int calx_slabs_create(struct calx_sim *, struct calx_error *);
+int calx_slabs_room(struct calx_sim *); /* for as many blocks as there are now; 1 without memory */
+void calx_slabs_take_dissipation(struct calx_sim *); /* of the last evaluation, once it is booked */
+/* Heat (J) into the slab of a wall at a point of its face. */
+void calx_slabs_add(struct calx_sim *, int wall, const double point[3], double heat);
+/* The heat step of all slabs; flows: those of the last evaluation count (else they were added). Fails if a face exchanges too fast. */
+int calx_slabs_step(struct calx_sim *, bool flows, struct calx_error *);
+double calx_slabs_content(const struct calx_sim *); /* J */
+double calx_slabs_mean(const struct calx_sim *, int wall, bool face); /* K, of all cells or of those at the face */
+
 /* ledger.c */
 void calx_ledger_begin(struct calx_sim *);
 void calx_ledger_step(struct calx_sim *, double dt);
+double calx_ledger_wall_power(const struct calx_sim *); /* W, of walls whose motion is given, at the last evaluation */
 double calx_ledger_mechanical(struct calx_sim *); /* kinetic + rotational + elastic + potential now, J */
+
+/* profile.c */
+int calx_profile_create(struct calx_sim *, struct calx_error *);
+bool calx_profile_due(const struct calx_sim *, double t); /* at the step that ends at time t */
+int calx_profile_step(struct calx_sim *, struct calx_error *); /* takes the samples that are due */
+void calx_profile_resume(struct calx_sim *);
 
 /* guard.c */
 /* What the state at t = 0 allows. */

@@ -131,10 +131,13 @@ int calx_step_lists(struct calx_sim *s, struct calx_error *e)
 int calx_step_forces(struct calx_sim *s, const struct calx_pass *pass, struct calx_error *e)
 {
     CALX_TRY(calx_step_lists(s, e));
+    s->heat_interval = pass->conduct || pass->heats ? s->heat_dt : pass->dt;
     sweep(s, pass);
     s->evaluations++;
     if (s->features.wall_contacts && !s->trial)
         swap_wall_contacts(s);
+    if (!s->trial)
+        calx_plates_take(s, s->evaluated);
     return 0;
 }
 
@@ -159,13 +162,18 @@ void calx_step_set_gravity(struct calx_sim *s, double t)
                 s->outside_work -= change[k] * (x[k] + turns) / inverse_mass;
             }
         }
+    for (size_t w = 0; changed && s->built && w < s->scene->wall_count; w++) {
+        const struct calx_motion *m = &s->scene->stages[s->stage].motion[w];
+        if (m->free)
+            s->outside_work -= change[m->free_axis] * m->mass * (s->plates[w].shift + s->plates[w].risen);
+    }
 }
 
 struct calx_pass calx_step_end_pass(const struct calx_sim *s, double dt, int stage, bool ahead)
 {
     const struct calx_plan *p = s->plan;
     bool due = (s->stage_step + 1 - s->pace_step) % s->heat_every == 0, staged = p->heat_law && !p->global_heat;
-    return (struct calx_pass){.dt = dt, .conduct = p->conductance && due, .stage = stage, .ahead = ahead,
+    return (struct calx_pass){.dt = dt, .conduct = p->conductance && due, .heats = p->heat_law && due, .stage = stage, .ahead = ahead,
                               .warm = staged && due, .store = p->heat_law && !due && s->scene->from_dissipation > 0.0};
 }
 
@@ -237,6 +245,7 @@ int calx_step_begin_stage(struct calx_sim *s, int stage, struct calx_error *e)
     s->stage_start = s->time;
     s->held = 0.0;
     s->checked = s->time;
+    calx_plates_begin_stage(s, s->built ? &s->scene->stages[stage - 1] : NULL);
     calx_walls_begin_stage(s);
     calx_step_set_gravity(s, s->time);
     if (plan != s->plan && s->built)
@@ -248,9 +257,15 @@ int calx_step_begin_stage(struct calx_sim *s, int stage, struct calx_error *e)
     return 0;
 }
 
+/* When the step ends that comes `steps` after the present state. */
+static double end_of(const struct calx_sim *s, int64_t steps)
+{
+    return s->pace_time + (double)(s->stage_step + steps - s->pace_step) * s->dt;
+}
+
 static int step(struct calx_sim *s, bool ahead, struct calx_error *e)
 {
-    double t = s->pace_time + (double)(s->stage_step + 1 - s->pace_step) * s->dt;
+    double t = end_of(s, 1);
     s->wall_step = s->moved = 0.0;
     CALX_TRY(s->plan->motion ? calx_motion_step(s, t, ahead, e) : advance_frozen(s, t, e));
     s->step++;
@@ -266,6 +281,7 @@ static int step(struct calx_sim *s, bool ahead, struct calx_error *e)
     CALX_TRY(calx_guard_step(s, e));
     if (s->peak.watched)
         calx_peak_look(s);
+    CALX_TRY(calx_profile_step(s, e));
     calx_timing_lap(clock, CALX_PHASE_OTHER);
     return end_stage(s, e);
 }
@@ -280,7 +296,7 @@ static bool looked_at(const struct calx_sim *s, int64_t steps)
 {
     const struct calx_stage_spec *stage = &s->scene->stages[s->stage];
     return calx_pace_elapsed(s, steps) >= stage->duration - 0.75 * s->dt || (s->step + steps) % CALX_SELDOM == 0 ||
-           (stage->condition[0] && (s->stage_step + steps) % 64 == 0);
+           (stage->condition[0] && (s->stage_step + steps) % 64 == 0) || calx_profile_due(s, end_of(s, steps));
 }
 
 int calx_sim_advance(struct calx_sim *s, int64_t steps, int64_t *made, struct calx_error *e)

@@ -10,6 +10,8 @@
 #include <string.h>
 
 #include "core/columns.h"
+#include "core/slab.h"
+#include "core/surface.h"
 #include "core/wall_candidates.h"
 
 #define NOWHERE SIZE_MAX   /* slot of a contact that has ended */
@@ -36,13 +38,28 @@ struct lane {
     int32_t row;
     size_t slot; /* where its history goes */
     double point_velocity[3], share;
+    double point[3];
+    struct calx_slab_spot spot; /* on the face of a slab */
 };
 
 static double wall_share(const struct calx_sim *s, int wall, size_t material)
 {
     double share[2];
     CALX_ISA(calx_heat_shares)(s, material, (size_t)s->scene->walls[wall].material, share);
-    return s->scene->walls[wall].isothermal ? share[0] : share[0] + share[1];
+    return calx_wall_conducts(s, wall) ? share[0] : share[0] + share[1];
+}
+
+/* The temperature that the grain sees: its own where the wall is insulated. */
+static double wall_temperature(struct wall_batch *w, size_t lane, int wall, const double point[3], double own)
+{
+    const struct calx_sim *s = w->s;
+    if (!calx_wall_has_slab(s, wall))
+        return s->scene->walls[wall].isothermal ? s->wall_temperature[wall] : own;
+    struct calx_slab_spot *spot = &w->lane[lane].spot;
+    const double *face = s->slab_temperature + s->slab_cell[wall];
+    *spot = calx_slab_find(&s->scene->walls[wall].slab, &s->poses[wall], point);
+    memcpy(w->lane[lane].point, point, sizeof w->lane[lane].point);
+    return (1.0 - spot->share) * face[spot->cell[0]] + spot->share * face[spot->cell[1]];
 }
 
 /* One lane: the grain is body i. */
@@ -72,7 +89,7 @@ static void fill_lane(struct wall_batch *w, int32_t row, const struct candidate 
     }
     if (s->features.temperature) {
         c->temperature[0][lane] = v[7];
-        c->temperature[1][lane] = s->scene->walls[wall].isothermal ? s->wall_temperature[wall] : v[7];
+        c->temperature[1][lane] = wall_temperature(w, lane, wall, k->touch.point, v[7]);
         w->lane[lane].share = wall_share(s, wall, (size_t)s->r.material[row]);
     }
     w->lane[lane].wall = wall;
@@ -96,24 +113,43 @@ static void add_wall_force(struct wall_batch *w, size_t lane)
     }
 }
 
+/* The block's cells of the face that the contact is on, and their weights. */
+static void add_to_face(struct wall_batch *w, size_t lane, double flow, double conductance, double lost)
+{
+    const struct calx_sim *s = w->s;
+    size_t block = (size_t)(w->block - s->blocks);
+    struct calx_face *face = s->block_faces + block * s->slab_faces + s->slab_face[w->lane[lane].wall];
+    for (int q = 0; q < 2; q++) {
+        double weight = q ? w->lane[lane].spot.share : 1.0 - w->lane[lane].spot.share;
+        face[w->lane[lane].spot.cell[q]].flow += weight * flow;
+        face[w->lane[lane].spot.cell[q]].conductance += weight * conductance;
+        face[w->lane[lane].spot.cell[q]].lost += weight * lost;
+    }
+}
+
 static void add_conduction(struct wall_batch *w, size_t lane)
 {
     struct calx_sim *s = w->s;
     struct calx_columns *c = w->c;
     int wall = w->lane[lane].wall;
-    double h = c->conductance[lane];
-    if (!s->scene->walls[wall].isothermal)
+    double h = c->conductance[lane], q = h * (c->temperature[1][lane] - c->temperature[0][lane]);
+    if (!calx_wall_conducts(s, wall))
         return;
+    if (calx_wall_has_slab(s, wall))
+        add_to_face(w, lane, -q, h, 0.0);
     if (s->plan->global_heat) {
         size_t e = w->block->near_first + w->tally->boundaries++;
         s->boundary_i[e] = w->lane[lane].row;
         s->boundary_h[e] = h;
-        s->boundary_t[e] = s->wall_temperature[wall];
+        s->boundary_t[e] = c->temperature[1][lane];
+        s->boundary_wall[e] = wall;
+        if (calx_wall_has_slab(s, wall))
+            memcpy(s->boundary_at[e], w->lane[lane].point, sizeof s->boundary_at[e]);
         return;
     }
-    double q = h * (c->temperature[1][lane] - c->temperature[0][lane]);
     row_a(w, lane)[7] += q;
-    w->tally->wall_heat += q;
+    if (!calx_wall_has_slab(s, wall))
+        w->tally->wall_heat += q;
 }
 
 static void add_lane(struct wall_batch *w, size_t lane)
@@ -133,8 +169,12 @@ static void add_lane(struct wall_batch *w, size_t lane)
     if (w->conduct)
         add_conduction(w, lane);
     if (s->features.temperature && s->scene->from_dissipation > 0.0 && w->dt > 0.0 && !s->trial) {
-        a[7] += w->lane[lane].share * c->work[lane] / (w->conduct ? s->heat_dt : w->dt);
-        w->tally->wall_heat_lost += (s->scene->from_dissipation - w->lane[lane].share) * c->work[lane];
+        a[7] += w->lane[lane].share * c->work[lane] / s->heat_interval;
+        double lost = (s->scene->from_dissipation - w->lane[lane].share) * c->work[lane];
+        if (calx_wall_has_slab(s, w->lane[lane].wall))
+            add_to_face(w, lane, 0.0, 0.0, lost);
+        else
+            w->tally->wall_heat_lost += lost;
     }
     w->tally->work += c->work[lane];
     w->tally->wall_contacts += c->overlap[lane] > 0.0;
@@ -268,6 +308,8 @@ void CALX_ISA(calx_wall_contacts)(struct calx_sim *s, size_t block, double dt, b
     if (!w.look)
         memset(s->block_wall_force + block * s->scene->wall_count, 0,
                s->scene->wall_count * sizeof *s->block_wall_force);
+    if (!w.look && s->slab_faces)
+        memset(s->block_faces + block * s->slab_faces, 0, s->slab_faces * sizeof *s->block_faces);
     for (size_t h = 0; h < s->plan->history; h++)
         c->history[h] = c->kept[h];
     c->n = 0;

@@ -77,9 +77,10 @@ int calx_walls_create(struct calx_sim *s, struct calx_error *e)
     s->stage_poses = calx_memory_zeroed(n, sizeof *s->stage_poses);
     s->wall_angle = calx_memory_zeroed(n, sizeof *s->wall_angle);
     s->wall_shift = calx_memory_zeroed(n, sizeof *s->wall_shift);
+    s->plates = calx_memory_zeroed(n, sizeof *s->plates);
     s->wall_force = calx_memory_zeroed(n, sizeof *s->wall_force);
     s->wall_temperature = calx_memory_zeroed(n, sizeof *s->wall_temperature);
-    if (!s->posed || !s->poses || !s->stage_poses || !s->wall_angle || !s->wall_shift ||
+    if (!s->posed || !s->poses || !s->stage_poses || !s->wall_angle || !s->wall_shift || !s->plates ||
         !s->wall_force || !s->wall_temperature)
         return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for %zu walls", n);
     s->wall_reach = scene_reach(scene);
@@ -157,6 +158,7 @@ static void pose_wall(struct calx_sim *s, size_t w, const struct calx_motion *m,
         shift[k] = s->wall_shift[w][k];
     }
     add_prescribed(m, t, tau, s->stage_start, shift);
+    calx_plates_place(s, w, t, shift);
     rotation(m->axis, s->wall_angle[w], m9);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
@@ -172,6 +174,10 @@ static void pose_wall(struct calx_sim *s, size_t w, const struct calx_motion *m,
     pose->ago = s->lag;
     wall_speed(m, t, tau, 0.0, centre, pose->speed, pose->spin);
     wall_speed(m, t, tau, pose->ago, centre, pose->past_speed, pose->past_spin);
+    if (m->free) {
+        pose->speed[m->free_axis] = calx_plates_speed(s, w, t);
+        pose->past_speed[m->free_axis] = calx_plates_speed(s, w, t - pose->ago);
+    }
 }
 
 static double distance(const double a[3], const double b[3])
@@ -201,6 +207,7 @@ void calx_walls_move(struct calx_sim *s, double t, double dt)
     static const double nowhere[3];
     const struct calx_stage_spec *stage = &s->scene->stages[s->stage];
     double drift = 0.0;
+    s->evaluated = t;
     for (size_t w = 0, at = 0; w < s->scene->wall_count; at += s->scene->walls[w++].primitive_count) {
         if (s->features.temperature && s->scene->walls[w].isothermal)
             s->wall_temperature[w] = calx_evaluate(&stage->wall_temperature[w], t, nowhere);

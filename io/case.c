@@ -52,6 +52,8 @@ static void read_document(struct calx_reader *r, const struct calx_setting *sett
     calx_case_read_walls(r);
     calx_case_read_stages(r);
     calx_case_read_particles(r);
+    calx_case_read_slabs(r);
+    calx_case_read_profiles(r);
     calx_case_read_output(r);
     calx_case_read_expects(r);
     calx_case_read_exacts(r);

@@ -54,6 +54,28 @@ static const struct calx_measure *read_measure(struct calx_reader *r, const xmlN
     return NULL;
 }
 
+static void read_layer(struct calx_reader *r, const xmlNode *node, struct calx_probe *probe)
+{
+    const char *name = calx_case_given(node, "profile"), *names[32];
+    size_t count = 0;
+    int64_t layer = calx_case_whole(r, node, "layer");
+    probe->layer = layer < 0 ? 0 : layer;
+    probe->profile = -1;
+    for (size_t k = 0; name && k < r->scene->profile_count; k++) {
+        if (count < 32)
+            names[count++] = r->scene->profiles[k].name;
+        if (strcmp(r->scene->profiles[k].name, name) == 0)
+            probe->profile = (int)k;
+    }
+    if (name && probe->profile < 0)
+        calx_case_fail_name(r, node, "profile", "profile", name, names, count);
+    else if (name && layer < 1)
+        calx_case_fail(r, node, NULL, "attribute 'layer' is missing: which of the profile's, from 1");
+    else if (name && (size_t)layer > r->scene->profiles[probe->profile].layers)
+        calx_case_fail(r, node, "layer", "%lld, but the profile has %zu", (long long)layer,
+                       r->scene->profiles[probe->profile].layers);
+}
+
 static void read_choices(struct calx_reader *r, const xmlNode *node, struct calx_probe *probe)
 {
     static const char components[] = {'x', 'y', 'z', 'm'};
@@ -64,6 +86,7 @@ static void read_choices(struct calx_reader *r, const xmlNode *node, struct calx
     probe->particle = calx_case_whole(r, node, "particle");
     probe->material = calx_case_material(r, node, "material");
     probe->wall = calx_case_wall(r, node, "wall");
+    read_layer(r, node, probe);
     probe->stage = stage < 0 ? 0 : stage;
     probe->component = component < 0 ? 0 : components[component];
     probe->cell = isnan(cell) ? 0.0 : cell;
@@ -77,7 +100,11 @@ const char *calx_case_needed_choice(const struct calx_measure *measure)
 {
     static const struct {
         const char *quantity, *choice;
-    } needs[] = {{"wall-force", "wall"}, {"wall-temperature", "wall"}, {"lacey-index", "classes"}};
+    } needs[] = {{"wall-force", "wall"},        {"wall-temperature", "wall"}, {"wall-displacement", "wall"},
+                 {"wall-velocity", "wall"},     {"wall-friction", "wall"},    {"lacey-index", "classes"},
+                 {"layer-velocity", "profile"}, {"layer-temperature", "profile"},
+                 {"layer-solid-fraction", "profile"}, {"layer-traction", "profile"},
+                 {"slab-mean-temperature", "wall"}, {"slab-max-temperature", "wall"}};
     for (size_t k = 0; k < sizeof needs / sizeof *needs; k++)
         if (strcmp(needs[k].quantity, measure->name) == 0)
             return needs[k].choice;
@@ -100,6 +127,8 @@ static void check_probe(struct calx_reader *r, const xmlNode *node,
     if (!measure->per_particle && (one || many))
         calx_case_fail(r, node, one ? "particle" : "reduce", "'%s' is of the whole scene",
                        measure->name);
+    if (strcmp(measure->name, "wall-friction") == 0 && (!probe->component || probe->component == 'm'))
+        calx_case_fail(r, node, "component", "expected the axis normal to the wall: x, y or z");
     if (measure->components == 1 && probe->component)
         calx_case_fail(r, node, "component", "'%s' is a single number", measure->name);
     if (probe->particle >= 0 && r->scene->particles.count &&

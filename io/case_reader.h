@@ -143,12 +143,14 @@ int calx_case_stage_models(struct calx_reader *, const xmlNode *stage, int befor
 void calx_case_read_surroundings(struct calx_reader *);
 void calx_case_read_walls(struct calx_reader *);
 void calx_case_read_particles(struct calx_reader *);
+void calx_case_read_slabs(struct calx_reader *);
 void calx_case_read_stages(struct calx_reader *);
 void calx_case_read_gravity(struct calx_reader *, const xmlNode *, struct calx_function gravity[3]);
 /* The attribute of <probe> without which the quantity is no single number, or NULL. (case_output.c)
  */
 const char *calx_case_needed_choice(const struct calx_measure *);
 void calx_case_read_output(struct calx_reader *);
+void calx_case_read_profiles(struct calx_reader *);
 void calx_case_read_expects(struct calx_reader *);
 void calx_case_read_exacts(struct calx_reader *);
 

@@ -49,15 +49,55 @@ static void read_rotation(struct calx_reader *r, const xmlNode *node, struct cal
         m->axis[k] /= length;
 }
 
+static bool is_rest(const struct calx_function *f)
+{
+    return !f->eval && f->value == 0;
+}
+
+/* Along the free axis nothing is prescribed. */
+static void check_plate(struct calx_reader *r, const xmlNode *node, const struct calx_motion *m)
+{
+    const int k = m->free_axis;
+    if (k >= (int)r->scene->dimension)
+        calx_case_fail(r, node, "free", "there is no z in 2D");
+    if (!is_rest(&m->rate))
+        calx_case_fail(r, node, "rotate", "a plate that is free along an axis does not rotate");
+    if (!is_rest(&m->velocity[k]))
+        calx_case_fail(r, node, "velocity", "the plate is free along %c, expected 0 there", "xyz"[k]);
+    if (!is_rest(&m->displacement[k]))
+        calx_case_fail(r, node, "displacement", "the plate is free along %c, expected 0 there", "xyz"[k]);
+    if (m->amplitude[k] != 0)
+        calx_case_fail(r, node, "amplitude", "the plate is free along %c, expected 0 there", "xyz"[k]);
+}
+
+static void read_plate(struct calx_reader *r, const xmlNode *node, struct calx_motion *m)
+{
+    static const char *const parts[] = {"mass", "load", "damping"};
+    int axis = calx_case_word(r, node, "free");
+    m->free = axis >= 0;
+    for (size_t k = 0; k < 3; k++)
+        if (!calx_case_given(node, "free") && calx_case_given(node, parts[k]))
+            calx_case_fail(r, node, parts[k], "is for a plate that is free along an axis, which 'free' names");
+    if (!m->free)
+        return;
+    m->free_axis = axis;
+    m->mass = calx_case_number(r, node, "mass");
+    m->damping = calx_case_number(r, node, "damping");
+    calx_case_function(r, node, "load", &m->load);
+    if (!calx_case_given(node, "mass"))
+        calx_case_fail(r, node, NULL, "attribute 'mass' is missing: a plate that is free moves as a body");
+    check_plate(r, node, m);
+}
+
 static struct calx_motion read_motion(struct calx_reader *r, const xmlNode *node)
 {
     struct calx_motion m = {.moves = true};
     bool oscillates = needs_together(r, node, "amplitude", "frequency");
     if (!calx_case_given(node, "rotate") && !calx_case_given(node, "velocity") &&
-        !calx_case_given(node, "displacement") && !oscillates)
+        !calx_case_given(node, "displacement") && !calx_case_given(node, "free") && !oscillates)
         calx_case_fail(
             r, node, NULL,
-            "has no motion, expected rotate, velocity, amplitude and frequency, or displacement");
+            "has no motion, expected rotate, velocity, amplitude and frequency, displacement, or free");
     read_rotation(r, node, &m);
     calx_case_functions(r, node, "velocity", m.velocity);
     m.has_displacement = calx_case_functions(r, node, "displacement", m.displacement);
@@ -66,18 +106,14 @@ static struct calx_motion read_motion(struct calx_reader *r, const xmlNode *node
         m.frequency = calx_case_number(r, node, "frequency");
         m.phase = calx_case_number(r, node, "phase");
     }
+    read_plate(r, node, &m);
     return m;
-}
-
-static bool is_rest(const struct calx_function *f)
-{
-    return !f->eval && f->value == 0;
 }
 
 /* A motion of zeros stops a wall: nothing needs to be computed for it. */
 static bool moves(const struct calx_motion *m)
 {
-    bool rest = is_rest(&m->rate) && !m->has_displacement && m->frequency == 0;
+    bool rest = is_rest(&m->rate) && !m->has_displacement && m->frequency == 0 && !m->free;
     for (size_t k = 0; k < 3; k++)
         rest &= is_rest(&m->velocity[k]);
     return !rest;

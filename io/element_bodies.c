@@ -229,6 +229,24 @@ static const struct calx_element sphere = {"sphere", "sphere",
                                            "A hollow or solid ball (in 2D a circle) as a wall.",
                                            ATTRIBUTES(sphere_attributes)};
 
+static const struct calx_attribute slab_attributes[] = {
+    {"depth", QUANTITY, "m", NULL, NULL, 0, FARTHEST, REQUIRED | CALX_ATTRIBUTE_OPEN_MIN, "how far it reaches behind the face"},
+    {"cells", CALX_FORM_LIST, "1", NULL, NULL, 1, 100000, REQUIRED, "along the face and into the depth: \"40 20\""},
+    {"temperature", QUANTITY, "K", NULL, NULL, 0, INFINITY, REQUIRED, "at the start"},
+    {"far", WORD, NULL, "insulated|isothermal", "insulated", NO_RANGE, "the face opposite to the grains"},
+    {"far-temperature", QUANTITY, "K", NULL, NULL, 0, INFINITY, 0, "of an isothermal far face; that at the start if not given"},
+    {"along", WORD, NULL, "x|y|z", NULL, NO_RANGE,
+     "behind a plane: the axis along which temperatures vary; the first that lies in the plane if not given"},
+    {"theta", QUANTITY, "1", NULL, "0.5", 0.5, 1, 0, "of the scheme in time: 0.5 is of second order, 1 the most damped"},
+};
+static const struct calx_element slab = {
+    "slab", "slab",
+    "A solid behind walls of one plane or one segment, of their material, in which heat is conducted along the face and into the depth. Grains "
+    "see the temperature of the cells of the face where they touch, and give it their heat. Along the face it is as long as the domain or the "
+    "segment, and periodic if the scene is; across (in 3D) nothing varies. It moves with its walls. Behind a segment it is on the right, seen "
+    "from its first end.",
+    ATTRIBUTES(slab_attributes)};
+
 static const struct calx_attribute walls_attributes[] = {
     {"name", NAME, NULL, NULL, NULL, NEEDED, "by which stages, packings and probes refer to it"},
     {"material", NAME, NULL, NULL, NULL, NEEDED, "name of a material"},
@@ -243,7 +261,7 @@ static const struct calx_attribute walls_attributes[] = {
     {"id", TEXT, NULL, NULL, NULL, NO_RANGE, "only this element or layer of the drawing"},
 };
 static const struct calx_child walls_children[] = {
-    {&segment, '*'}, {&polyline, '*'}, {&plane, '*'}, {&cylinder, '*'}, {&sphere, '*'}};
+    {&segment, '*'}, {&polyline, '*'}, {&plane, '*'}, {&cylinder, '*'}, {&sphere, '*'}, {&slab, '?'}};
 const struct calx_element calx_element_walls = {
     "walls", "walls",
     "Walls that belong together: from a drawing, from the elements inside, or both.",

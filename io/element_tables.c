@@ -149,13 +149,19 @@ static const struct calx_attribute move_attributes[] = {
     {"phase", QUANTITY, "rad", NULL, "0", ANY, "of the oscillation when the stage begins"},
     {"displacement", VARYING_VECTOR, "m", "t", NULL, ANY,
      "as expressions of t; counted from its value when the stage begins"},
+    {"free", WORD, NULL, "x|y|z", NULL, NO_RANGE,
+     "a loaded plate: along this axis each of the walls moves as a body, by contacts, load and gravity; the other parts of the motion "
+     "then have nothing along it, and the walls do not rotate"},
+    {"mass", QUANTITY, "kg", NULL, NULL, POSITIVE, "of a plate; needed with free"},
+    {"load", VARIES, "N", "t", "0", ANY, "force on a plate along its free axis"},
+    {"damping", QUANTITY, "N s/m", NULL, "0", NOT_NEGATIVE, "of a plate's speed along its free axis"},
     {"where", TEXT, NULL, NULL, NULL, NO_RANGE,
      "constants for the expressions: \"a = 1; b = 2*a\""},
 };
 static const struct calx_element move = {
     "move", "move",
     "Motion of walls during this stage and the next ones, until another move of the same walls. "
-    "The parts add up; `velocity=\"0 0\"` stops.",
+    "The parts add up; `velocity=\"0 0\"` stops. A wall that becomes free starts with the speed that it has.",
     ATTRIBUTES(move_attributes)};
 
 static const struct calx_attribute stage_walls_attributes[] = {
@@ -217,6 +223,8 @@ static const struct calx_attribute probe_attributes[] = {
     {"particle", WHOLE, NULL, NULL, NULL, NO_RANGE, "id of one particle"},
     {"material", NAME, NULL, NULL, NULL, NO_RANGE, "only particles of this material"},
     {"wall", NAME, NULL, NULL, NULL, NO_RANGE, "name of the walls or of a rigid group, for quantities of walls"},
+    {"profile", NAME, NULL, NULL, NULL, NO_RANGE, "name of a profile, for quantities of layers"},
+    {"layer", WHOLE, NULL, NULL, NULL, 1, 100000, 0, "of that profile, from 1, the lowest"},
     {"component", WORD, NULL, "x|y|z|magnitude", NULL, NO_RANGE, "of a vector"},
     {"reduce", WORD, NULL, "mean|min|max|sum|std", NULL, NO_RANGE,
      "how many particles give one number"},
@@ -229,6 +237,29 @@ static const struct calx_attribute probe_attributes[] = {
 };
 static const struct calx_element probe = {"probe", "probe", "A column of the CSV.",
                                           ATTRIBUTES(probe_attributes)};
+
+static const struct calx_attribute profile_attributes[] = {
+    {"name", NAME, NULL, NULL, NULL, NEEDED, "of its files, NAME_profile_name"},
+    {"axis", WORD, NULL, "x|y|z", NULL, NEEDED, "across which the layers lie"},
+    {"layers", WHOLE, NULL, NULL, NULL, 1, 100000, REQUIRED, "how many, of equal thickness"},
+    {"from", QUANTITY, "m", NULL, NULL, A_PLACE, "where the first begins; the end of the domain if not given"},
+    {"to", QUANTITY, "m", NULL, NULL, A_PLACE, "where the last ends; the end of the domain if not given"},
+    {"across", CALX_FORM_LIST, "m", NULL, NULL, POSITIVE,
+     "extent of a layer along the other axes, in their order; that of the domain if not given"},
+    {"over", QUANTITY, "s", NULL, NULL, 0, INFINITY, REQUIRED | CALX_ATTRIBUTE_OPEN_MIN,
+     "length of a window: each gives one profile"},
+    {"every", QUANTITY, "s", NULL, NULL, POSITIVE,
+     "time between the samples that a window averages; a hundredth of it if not given"},
+    {"after", QUANTITY, "s", NULL, "0", NOT_NEGATIVE, "when the first window begins"},
+    {"groups", SWITCH, NULL, NULL, "no", NO_RANGE, "yes: the bodies of rigid groups count too"},
+};
+static const struct calx_element profile = {
+    "profile", "profile",
+    "Layers across an axis and, in each, means over windows of time: solid fraction, velocity and its fluctuation, temperature, "
+    "coordination number, stress of contacts and of fluctuations. A body counts in each layer with the volume of its slice there, the force "
+    "of a contact with the part of the line between the centres that runs there. In 2D a layer is as deep as discs are long, or as the "
+    "largest sphere is thick.",
+    ATTRIBUTES(profile_attributes)};
 
 static const struct calx_attribute expect_attributes[] = {
     {"of", NAME, NULL, NULL, NULL, NO_RANGE,
@@ -305,6 +336,7 @@ static const struct calx_child case_children[] = {{&material, '+'},
                                                   {&stage, '+'},
                                                   {&output, '?'},
                                                   {&probe, '*'},
+                                                  {&profile, '*'},
                                                   {&expect, '*'},
                                                   {&exact, '*'}};
 static const struct calx_element case_element = {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * One run of one case: steps it and writes what is due.
- * Input: an opened run. Output: NAME.pvd and its frames, NAME.csv, NAME.restart, verdicts on the
- * expectations. Method: an output is due at the first step whose time reaches a multiple of its
+ * Input: an opened run. Output: NAME.pvd and its frames, NAME.csv, files of profiles, NAME.restart,
+ * verdicts on the expectations. Method: an output is due at the first step whose time reaches a multiple of its
  * interval, at the end of a stage, and at the end. This needs no memory but the time before the
  * step, so that a resumed run writes what a straight one writes. A frame is written before its row,
  * the row before the restart point: whatever comes after the restart point is redone.
@@ -118,10 +118,15 @@ static int open_output(struct calx_run *run, bool resumed, struct calx_error *er
         run->table =
             resumed ? calx_table_resume(path, columns, run->column_count, run->scheduled_row, error)
                     : calx_table_create(path, columns, run->column_count, error);
+    if (run->table)
+        run->profiles = calx_profiles_open(run->folder, run->name, run->sim, resumed, error);
+    if (run->profiles)
+        run->slabs = calx_slab_files_open(run->folder, run->name, run->sim,
+                                          resumed ? run->scheduled_frame : -INFINITY, error);
     if (length >= 0)
         free(path);
     free(columns);
-    return run->table ? CALX_OK : error->code;
+    return run->slabs ? CALX_OK : error->code;
 }
 
 static int write_frame(struct calx_run *run, struct calx_error *error)
@@ -130,6 +135,7 @@ static int write_frame(struct calx_run *run, struct calx_error *error)
     if (!frame)
         return out_of_memory(error);
     CALX_TRY(calx_series_write(run->series, frame, error));
+    CALX_TRY(calx_slab_files_write(run->slabs, error));
     calx_measure_mark_written(run->sim);
     run->frames += 1;
     return CALX_OK;
@@ -261,6 +267,8 @@ static int step_to_the_end(struct calx_run *run, struct calx_error *error)
         if (calx_sim_step(run->sim, error) != CALX_OK)
             return fail(run, error);
         unsigned due = what_is_due(run, before, calx_sim_time(run->sim), stage);
+        if (run->profiles)
+            CALX_TRY(calx_profiles_write(run->profiles, error));
         if ((due & FRAME) && calx_sim_guard(run->sim, error) != CALX_OK) /* what is kept is sound */
             return fail(run, error);
         run->interrupted = asked_to_stop(run) && !calx_sim_done(run->sim);

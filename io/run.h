@@ -10,7 +10,9 @@
 
 #include "core/calx.h"
 #include "io/case.h"
+#include "io/profiles.h"
 #include "io/series.h"
+#include "io/slabs.h"
 #include "io/table.h"
 #include "io/terminal.h"
 #include "io/verify.h"
@@ -40,6 +42,8 @@ struct calx_run {
     struct calx_terminal terminal;
     struct calx_series *series;
     struct calx_table *table;
+    struct calx_profiles *profiles;
+    struct calx_slab_files *slabs;
     size_t column_count; /* of the CSV: standard columns, then the probes of the scene */
     const struct calx_probe **columns;
     struct calx_probe *standard;

@@ -182,6 +182,8 @@ int calx_run_open(struct calx_run *run, const struct calx_run_options *options, 
 
 void calx_run_close(struct calx_run *run)
 {
+    calx_slab_files_free(run->slabs);
+    calx_profiles_free(run->profiles);
     calx_table_free(run->table);
     calx_series_free(run->series);
     calx_verify_free(run->verify);

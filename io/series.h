@@ -23,6 +23,15 @@ struct calx_series *calx_series_resume(const char *folder, const char *name,
                                        const struct calx_output *output, double time,
                                        struct calx_error *);
 
+/* A series of meshes, NAME and suffix: NAME_profile_shear.pvd for "_profile_shear". `time` as above;
+ * minus infinity: begun anew. Fails as the others. */
+struct calx_series *calx_series_of_meshes(const char *folder, const char *name, const char *suffix,
+                                          const struct calx_output *output, double time,
+                                          struct calx_error *);
+
+/* Adds a mesh to such a series; one with the time of the last takes its place. */
+int calx_series_write_mesh(struct calx_series *, const struct calx_mesh *, struct calx_error *);
+
 /* Adds a frame: particles, the walls if it has any (a new file only if anything of them changed),
  * contacts if output.network. A frame with the time of the last one takes its place; an earlier
  * time is CALX_ERROR_IO. Else fails as calx_vtk_write(); what the .pvd files list is then still

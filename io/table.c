@@ -146,11 +146,8 @@ struct calx_table *calx_table_create(const char *path, const struct calx_table_c
 
 /* ---- rows ---- */
 
-int calx_table_write(struct calx_table *t, const double *row, struct calx_error *e)
+int calx_table_append(struct calx_table *t, const double *row, struct calx_error *e)
 {
-    bool replaces = row[0] == t->time;
-    if (replaces && (fseeko(t->stream, t->row, SEEK_SET) || ftruncate(fileno(t->stream), t->row)))
-        return fail(t, "write", e);
     off_t start = ftello(t->stream);
     for (size_t i = 0; i < t->columns; i++)
         fprintf(t->stream, i ? ",%.17g" : "%.17g", isnan(row[i]) ? NAN : row[i]); /* never "-nan" */
@@ -160,4 +157,12 @@ int calx_table_write(struct calx_table *t, const double *row, struct calx_error 
     t->time = row[0];
     t->row = start;
     return CALX_OK;
+}
+
+int calx_table_write(struct calx_table *t, const double *row, struct calx_error *e)
+{
+    bool replaces = row[0] == t->time;
+    if (replaces && (fseeko(t->stream, t->row, SEEK_SET) || ftruncate(fileno(t->stream), t->row)))
+        return fail(t, "write", e);
+    return calx_table_append(t, row, e);
 }

@@ -33,6 +33,9 @@ struct calx_table *calx_table_resume(const char *path, const struct calx_table_c
  * place. CALX_ERROR_IO with the reason (disk full). */
 int calx_table_write(struct calx_table *, const double *row, struct calx_error *);
 
+/* The same for a table with several rows of one time: adds one in any case. */
+int calx_table_append(struct calx_table *, const double *row, struct calx_error *);
+
 void calx_table_free(struct calx_table *);
 
 #endif

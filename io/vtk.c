@@ -210,8 +210,8 @@ static const struct {
     [CALX_VTK_CONTACTS] = {AT(contact_count), AT(contact_count), 2, corners_contact},
 };
 
-/* VTK_VERTEX, VTK_LINE, VTK_TRIANGLE, VTK_QUAD by number of corners; VTK_EMPTY_CELL for none. */
-static const uint8_t cell_type[] = {0, 1, 3, 5, 9};
+/* VTK_VERTEX, VTK_LINE, VTK_TRIANGLE, VTK_QUAD, VTK_HEXAHEDRON by number of corners; VTK_EMPTY_CELL for none. */
+static const uint8_t cell_type[] = {0, 1, 3, 5, 9, 0, 0, 0, 12};
 
 static size_t count_at(const struct calx_frame *f, size_t offset)
 {
@@ -395,20 +395,57 @@ static int save(const char *path, const struct grid *g, const xmlBuffer *text, s
     return calx_file_commit(&file, e);
 }
 
-int calx_vtk_write(const char *path, enum calx_vtk_part part, const struct calx_frame *frame,
-                   const struct calx_output *output, struct calx_error *e)
+/* Writes what was filled in (unless `code` says that there was no memory), and frees it. */
+static int finish(const char *path, struct grid *g, int code, double time, struct calx_error *e)
 {
-    struct grid g = {0};
     size_t split = 0;
-    int code = fill(&g, part, frame, output);
-    xmlBuffer *text = code ? NULL : compose(&g, frame->time, &split);
+    xmlBuffer *text = code ? NULL : compose(g, time, &split);
     if (text) {
-        code = save(path, &g, text, split, e);
+        code = save(path, g, text, split, e);
         xmlBufferFree(text);
     } else {
         code = calx_error_set(e, CALX_ERROR_MEMORY, "out of memory before writing %s", path);
     }
-    for (size_t i = 0; i < g.count; i++)
-        free(g.arrays[i].bytes);
+    for (size_t i = 0; i < g->count; i++)
+        free(g->arrays[i].bytes);
     return code;
+}
+
+int calx_vtk_write(const char *path, enum calx_vtk_part part, const struct calx_frame *frame,
+                   const struct calx_output *output, struct calx_error *e)
+{
+    struct grid g = {0};
+    int code = fill(&g, part, frame, output);
+    return finish(path, &g, code, frame->time, e);
+}
+
+static int fill_mesh(struct grid *g, const struct calx_mesh *m, const struct calx_output *output)
+{
+    *g = (struct grid){.points = m->points, .cells = m->cells, .single = output->single,
+                       .level = output->compression};
+    for (const struct calx_mesh_array *a = m->arrays; a < m->arrays + m->array_count; a++)
+        CALX_TRY(add(g, CELL_DATA, a->name, a->unit, REAL, a->components, a->value,
+                     m->cells * a->components));
+    CALX_TRY(add(g, POINTS, "position", "m", REAL, 3, m->position, 3 * m->points));
+    int64_t *offsets = malloc((m->cells + 1) * sizeof *offsets);
+    uint8_t *types = malloc(m->cells + 1);
+    int code = offsets && types ? CALX_OK : CALX_ERROR_MEMORY;
+    for (size_t c = 0; !code && c < m->cells; c++) {
+        offsets[c] = (int64_t)(m->corners * (c + 1));
+        types[c] = cell_type[m->corners];
+    }
+    code = code ? code : add(g, CELLS, "connectivity", NULL, INT64, 1, m->corner, m->corners * m->cells);
+    code = code ? code : add(g, CELLS, "offsets", NULL, INT64, 1, offsets, m->cells);
+    code = code ? code : add(g, CELLS, "types", NULL, BYTE, 1, types, m->cells);
+    free(offsets);
+    free(types);
+    return code;
+}
+
+int calx_vtk_write_mesh(const char *path, const struct calx_mesh *m, const struct calx_output *output,
+                        struct calx_error *e)
+{
+    struct grid g = {0};
+    int code = fill_mesh(&g, m, output);
+    return finish(path, &g, code, m->time, e);
 }

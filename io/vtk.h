@@ -21,4 +21,8 @@ enum calx_vtk_part {
 int calx_vtk_write(const char *path, enum calx_vtk_part, const struct calx_frame *,
                    const struct calx_output *output, struct calx_error *);
 
+/* The same for a mesh, with its arrays on cells. */
+int calx_vtk_write_mesh(const char *path, const struct calx_mesh *, const struct calx_output *output,
+                        struct calx_error *);
+
 #endif

@@ -233,6 +233,87 @@ START_TEST(test_results)
 }
 END_TEST
 
+START_TEST(test_profiles)
+{
+    read_everything(NULL, 0);
+    ck_assert_ptr_nonnull(scene);
+    ck_assert_uint_eq(scene->profile_count, 2);
+    const struct calx_profile *p = scene->profiles;
+    ck_assert(strcmp(p[0].name, "across") == 0 && p[0].axis == 1 && p[0].layers == 4 && p[0].groups);
+    const double low[3] = {-1, -1, -0.025}, high[3] = {1, 1, 0.025};
+    for (int k = 0; k < 3; k++) {
+        EQUAL(p[0].low[k], low[k]);
+        EQUAL(p[0].high[k], high[k]);
+    }
+    EQUAL(p[0].every, 0.001);
+    EQUAL(p[0].over, 0.02);
+    EQUAL(p[0].after, 1);
+    ck_assert(p[1].axis == 0 && p[1].layers == 3 && !p[1].groups);
+    EQUAL(p[1].low[0], -0.5);
+    EQUAL(p[1].high[0], 0.5);
+    EQUAL(p[1].low[1], -0.5); /* 2 m about the middle of the domain, 0.5 m */
+    EQUAL(p[1].high[1], 1.5);
+    EQUAL(p[1].every, 0.005);
+    EQUAL(p[1].after, 0);
+}
+END_TEST
+
+static const char parts[] =
+    "<case dimension='2' bodies='discs' thickness='20 mm'>\n"
+    "<material name='iron' density='7800' specific-heat='450' conductivity='80'/>\n"
+    "<contact plugin='linear' stiffness='6000 N/m'/><conductance plugin='constant' conductance='1'/>\n"
+    "<integrator plugin='velocity-verlet'/>\n"
+    "<domain x='-1 3 m' y='-5 5 m' periodic='x'/>\n"
+    "<walls name='floor' material='iron'><plane point='0 -2 m' normal='0 1'/>\n"
+    "<slab depth='10 cm' cells='40 20' temperature='20 degC'/></walls>\n"
+    "<walls name='lid' material='iron'><segment from='3 2 m' to='-1 2 m'/>\n"
+    "<slab depth='1 cm' cells='5 3' temperature='300' far='isothermal' far-temperature='400' theta='1'/></walls>\n"
+    "<walls name='side' material='iron'><segment from='0 0' to='0 1'/><slab depth='1 cm' cells='5 3' temperature='300'/></walls>\n"
+    "<particles material='iron'><particle at='0 0.5' radius='1 mm'/></particles>\n"
+    "<stage for='1 s'><move walls='lid' free='y' mass='2 kg' load='-10*t [N]' damping='3 N s/m' velocity='0.5 0'/></stage>\n"
+    "<probe name='slide' of='wall-velocity' wall='lid' component='x'/><probe name='hot' of='slab-max-temperature' wall='lid'/>\n"
+    "<profile name='p' axis='y' layers='7' over='1 s'/>\n"
+    "<probe name='speed' of='layer-velocity' profile='p' layer='7' component='x'/></case>\n";
+
+static void check_slab(const struct calx_slab *b, const double corner[3], const double along[2], double length, bool periodic)
+{
+    for (int k = 0; k < 2; k++) {
+        EQUAL(b->corner[k], corner[k]);
+        EQUAL(b->axis[0][k], along[k]);
+        EQUAL(b->axis[1][k], k ? -along[0] : along[1]); /* on the right */
+    }
+    EQUAL(b->corner[2], -0.01);
+    EQUAL(b->axis[2][2], 1);
+    EQUAL(b->length, length);
+    EQUAL(b->width, 0.02);
+    EQUAL(b->conductivity, 80);
+    EQUAL(b->capacity, 7800 * 450);
+    ck_assert(b->periodic == periodic);
+}
+
+START_TEST(test_plates_and_slabs)
+{
+    put_file("case.xml", parts);
+    scene = calx_case_read(in_folder("case.xml"), registry, NULL, 0, &problems);
+    calx_problems_print(&problems, stderr);
+    ck_assert_ptr_nonnull(scene);
+    const struct calx_slab *floor_slab = &scene->walls[0].slab, *lid = &scene->walls[1].slab;
+    check_slab(floor_slab, (double[3]){-1, -2, 0}, (double[2]){1, 0}, 4, true);
+    check_slab(lid, (double[3]){3, 2, 0}, (double[2]){-1, 0}, 4, true);
+    check_slab(&scene->walls[2].slab, (double[3]){0, 0, 0}, (double[2]){0, 1}, 1, false);
+    ck_assert(floor_slab->along == 40 && floor_slab->deep == 20 && !floor_slab->far_isothermal);
+    EQUAL(floor_slab->start, 293.15);
+    EQUAL(floor_slab->theta, 0.5);
+    EQUAL(floor_slab->depth, 0.1);
+    ck_assert(lid->far_isothermal && lid->far == 400 && lid->theta == 1);
+    const struct calx_motion *m = &scene->stages[0].motion[1];
+    ck_assert(m->moves && m->free && m->free_axis == 1 && m->mass == 2 && m->damping == 3);
+    EQUAL(at_time(&m->load, 2), -20);
+    ck_assert(!scene->stages[0].motion[0].free);
+    ck_assert(scene->probes[2].profile == 0 && scene->probes[2].layer == 7);
+}
+END_TEST
+
 /* ---- settings
  * ------------------------------------------------------------------------------------------ */
 
@@ -389,6 +470,8 @@ static void add_tests(TCase *cases)
     tcase_add_test(cases, test_particles);
     tcase_add_test(cases, test_stages);
     tcase_add_test(cases, test_results);
+    tcase_add_test(cases, test_profiles);
+    tcase_add_test(cases, test_plates_and_slabs);
     tcase_add_test(cases, test_grammar);
     tcase_add_test(cases, test_reference);
     tcase_add_test(cases, test_example_of_the_reference);

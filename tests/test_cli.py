@@ -271,6 +271,7 @@ class StopAndResume(InFolder):
         cls.hash = state_hash(done)
         cls.series = sorted(name for name in os.listdir(cls.reference) if name.endswith(".pvd"))
         cls.csv = read(os.path.join(cls.reference, "drum.csv"))
+        cls.profile = read(os.path.join(cls.reference, "drum_profile_height.csv"))
 
     @classmethod
     def tearDownClass(cls):
@@ -284,6 +285,7 @@ class StopAndResume(InFolder):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(state_hash(done), self.hash)
         self.assertEqual(read(self.path("drum.csv")), self.csv)
+        self.assertEqual(read(self.path("drum_profile_height.csv")), self.profile)
         for name in self.series:
             mine, theirs = frames_of(self.path(name)), frames_of(os.path.join(self.reference, name))
             self.assertEqual([frame[0] for frame in mine], [frame[0] for frame in theirs])
@@ -293,7 +295,7 @@ class StopAndResume(InFolder):
                 self.assertEqual(read(one[1]), read(other[1]), one[1])
 
     def test_the_reference_has_its_frames_and_rows(self):
-        self.assertEqual(self.series, ["drum.pvd", "drum_contacts.pvd", "drum_walls.pvd"])
+        self.assertEqual(self.series, ["drum.pvd", "drum_contacts.pvd", "drum_profile_height.pvd", "drum_walls.pvd"])
         times = [frame[0] for frame in frames_of(os.path.join(self.reference, "drum.pvd"))]
         self.assertEqual(len(times), 101)
         for number, instant in enumerate(times):
@@ -302,6 +304,17 @@ class StopAndResume(InFolder):
         self.assertEqual(len(rows), 1 + 201)
         self.assertTrue(rows[0].startswith("time [s],step,kinetic [J]"))
         self.assertEqual(rows[0].split(",")[-2:], ["first [K]", "mixing"])
+
+    def test_the_reference_has_its_profiles(self):
+        rows = [line.split(",") for line in self.profile.decode().splitlines()]
+        self.assertEqual(rows[0][:6], ["time [s]", "y [m]", "solid_fraction", "velocity_x [m/s]", "velocity_y [m/s]",
+                                       "fluctuation_x [m/s]"])
+        self.assertEqual(rows[0][-4:], ["kinetic_stress_xx [Pa]", "kinetic_stress_xy [Pa]", "kinetic_stress_yx [Pa]",
+                                        "kinetic_stress_yy [Pa]"])
+        self.assertEqual(len(rows), 1 + 20 * 6)
+        for number, row in enumerate(rows[1:]):
+            self.assertAlmostEqual(float(row[0]), 0.01 * (number // 6 + 1), places=9)
+            self.assertAlmostEqual(float(row[1]), -0.025 + 0.01 * (number % 6), places=9)
 
     def test_threads_do_not_change_the_bits(self):
         self.check_same_end(calx("run", CASE, "--threads", "3", "--out", self.folder))

@@ -2,6 +2,7 @@
 """Checks with ParaView itself that a result opens and says what the CSV says.
 
     pvpython check_series.py RESULT_DIR NAME [--case CASE.xml] [--particles N] [--network] [--no-walls]
+             [--cells SUFFIX NUMBER]
 
 One line PASS or FAIL per check; exit status 1 if any failed. With --case, probes of one grain's scalars are compared too.
 """
@@ -17,7 +18,7 @@ from paraview import servermanager, simple
 REAL = ("double", "float")
 GRAINS = {"id": (1, ("long", "long long")), "radius": (1, REAL), "velocity": (3, REAL), "spin": (3, REAL),
           "temperature": (1, REAL), "heat": (1, REAL), "force": (3, REAL), "mass": (1, REAL),
-          "material": (1, ("int",)), "contacts": (1, ("int",))}
+          "material": (1, ("int",)), "contacts": (1, ("int",)), "group": (1, ("int",))}
 WALL_POINTS = {"velocity": (3, REAL)}
 WALL_CELLS = {"wall": (1, ("int",)), "temperature": (1, REAL), "force": (3, REAL)}
 CONTACT_CELLS = {"pair": (2, ("long", "long long")), "normal_force": (1, REAL), "tangential_force": (1, REAL),
@@ -199,6 +200,25 @@ def check_contacts(report, series, grains, table):
         report.check(first, "%s: begin at the centre of the first grain" % label)
 
 
+def check_cells(report, stem, suffix, cells):
+    """A series of cells; if it has a CSV of its own, with a row per time and cell, the same numbers stand in both."""
+    series = Series("%s_%s.pvd" % (stem, suffix))
+    check_times(report, series, None)
+    table = read_csv("%s_%s.csv" % (stem, suffix)) if os.path.exists("%s_%s.csv" % (stem, suffix)) else None
+    for number, time in enumerate(series.times):
+        data = series.at(time)
+        label, found = "%s at %.9g s" % (suffix, time), arrays(data.GetCellData())
+        report.check(data.GetNumberOfCells() == cells, "%s: %d cells" % (label, cells), data.GetNumberOfCells())
+        report.check(min(data.GetCell(c).GetLength2() for c in range(cells)) > 0, "%s: cells have a size" % label)
+        report.check(bool(found), "%s: arrays" % label)
+        for key, array in found.items() if table else []:
+            n = array.GetNumberOfComponents()
+            ends = [""] if n == 1 else ["_" + c for c in "xyz"] if n == 3 else ["_" + a + b for a in "xyz" for b in "xyz"]
+            same = all(near(array.GetComponent(c, k), table[key + end][number * cells + c], rounding(array))
+                       for c in range(cells) for k, end in enumerate(ends) if key + end in table)
+            report.check(same and any(key + end in table for end in ends), "%s: %s as in the CSV" % (label, key))
+
+
 def read_probes(path):
     """(name, quantity, particle) of the case's probes of one grain's scalar."""
     nodes = ElementTree.parse(path).getroot().iter("probe") if path else []
@@ -224,6 +244,8 @@ def main():
     parser.add_argument("--particles", type=int, help="number of grains in every frame")
     parser.add_argument("--network", action="store_true", help="the contact network must be there")
     parser.add_argument("--no-walls", action="store_true", help="there must be no walls")
+    parser.add_argument("--cells", nargs=2, action="append", default=[], metavar=("SUFFIX", "NUMBER"),
+                        help="there must be a series NAME_SUFFIX of so many cells")
     options = parser.parse_args()
     stem = os.path.join(options.folder, options.name)
     report = Report()
@@ -239,6 +261,8 @@ def main():
         contacts = companion(report, stem, "contacts", options.network, False, "contacts")
         if contacts:
             check_contacts(report, contacts, grains, table)
+        for suffix, cells in options.cells:
+            check_cells(report, stem, suffix, int(cells))
     say("%s: %s" % (stem, "%d checks failed" % report.failed if report.failed else "all checks passed"))
     return 1 if report.failed else 0
 
