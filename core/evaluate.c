@@ -43,7 +43,7 @@ void CALX_ISA(calx_evaluate_motion)(const struct calx_plan *p, double lag, struc
         calx_v8 n[3], u[3], omega[3], w[3] = {{0}}, vt[3];
         load3(c->normal, lane, n);
         load3(c->velocity, lane, u);
-        calx_v8 vn = calx_lanes_dot(n, u);
+        calx_v8 vn = calx_lanes_dot(false, n, u);
         calx_v8_store(c->vn + lane, vn);
         if (!(p->needs & CALX_NEEDS_TANGENT))
             continue;
@@ -55,7 +55,7 @@ void CALX_ISA(calx_evaluate_motion)(const struct calx_plan *p, double lag, struc
             if (p->needs & CALX_NEEDS_SPIN)
                 store3(c->spin, lane, omega);
         }
-        calx_lanes_slide(n, u, w, vt);
+        calx_lanes_slide(false, n, u, w, vt);
         store3(c->vt, lane, vt);
         turn_history(p, n, c, lane);
     }
@@ -68,8 +68,8 @@ void CALX_ISA(calx_evaluate_force)(const struct calx_plan *p, struct calx_column
         load3(c->normal, lane, n);
         if (p->needs & CALX_NEEDS_TANGENT)
             load3(c->ft, lane, ft);
-        calx_lanes_force(n, calx_v8_load(c->fn + lane), ft, force);
-        calx_lanes_twist(n, ft, twist);
+        calx_lanes_force(false, n, calx_v8_load(c->fn + lane), ft, force);
+        calx_lanes_twist(false, n, ft, twist);
         store3(c->force, lane, force);
         store3(c->twist, lane, twist);
     }

@@ -3,7 +3,7 @@
  * From rows to the columns of a batch: eight pairs at a time, the rows of their bodies are subtracted or added and turned into columns, from
  * which follow normal, overlap and velocities; history is turned with the normal where it is stored. Two passes: in one long one the
  * processor would wait for roots and quotients, because it looks no further ahead than one group of eight. Variants, chosen by what the
- * scene has: rows with or without a second half, with or without rotation, bodies of one or of several sizes.
+ * scene has: rows with or without a second half, with or without rotation, in a plane or in space, bodies of one or of several sizes.
  */
 #include "core/gather.h"
 #include "core/lanes.h"
@@ -35,15 +35,16 @@ CALX_INLINE calx_v8 pick(const double *rows, size_t stride, const uint32_t *plac
     return v;
 }
 
-CALX_INLINE void store3(calx_column *to, size_t lane, const calx_v8 v[3])
+/* Vectors of a plane: the third column is 0 and stays. */
+CALX_INLINE void store(const bool planar, calx_column *to, size_t lane, const calx_v8 v[3])
 {
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < (planar ? 2 : 3); k++)
         calx_v8_store(to[k] + lane, v[k]);
 }
 
-CALX_INLINE void load3(const calx_column *from, size_t lane, calx_v8 v[3])
+CALX_INLINE void load(const bool planar, const calx_column *from, size_t lane, calx_v8 v[3])
 {
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < (planar ? 2 : 3); k++)
         v[k] = calx_v8_load(from[k] + lane);
 }
 
@@ -66,18 +67,20 @@ CALX_INLINE void combine(const double *v, const uint32_t *i, const uint32_t *j, 
 }
 
 /* Turns the vectors of history, whose first columns are `vectors`, with the normal; turn: half the step over the distance. */
-CALX_INLINE void turn_history(struct calx_columns *c, size_t lane, const size_t *vectors, size_t count, const calx_v8 n[3],
+CALX_INLINE void turn_history(const bool planar, struct calx_columns *c, size_t lane, const size_t *vectors, size_t count, const calx_v8 n[3],
                               const calx_v8 u[3], calx_v8 un, calx_v8 turn)
 {
-    calx_v8 between[3] = {n[0], n[1], n[2]}, q = turn * un;
-    calx_lanes_add(between, -turn, u);
+    calx_v8 between[3] = {n[0], n[1]}, q = turn * un;
+    if (!planar)
+        between[2] = n[2];
+    calx_lanes_add(planar, between, -turn, u);
     for (size_t k = 0; k < count; k++) {
         double *const *column = c->history + vectors[k];
         calx_v8 h[3];
-        for (int axis = 0; axis < 3; axis++)
+        for (int axis = 0; axis < (planar ? 2 : 3); axis++)
             h[axis] = calx_v8_load(column[axis] + lane);
-        calx_lanes_turn(n, between, q, h);
-        for (int axis = 0; axis < 3; axis++)
+        calx_lanes_turn(planar, n, between, q, h);
+        for (int axis = 0; axis < (planar ? 2 : 3); axis++)
             calx_v8_store(column[axis] + lane, h[axis]);
     }
 }
@@ -92,7 +95,7 @@ static size_t list_vectors(const struct calx_plan *p, size_t vectors[CALX_HISTOR
 }
 
 /* From the rows of places: normal, overlap, distance, levers, and which pairs touch. */
-CALX_INLINE void gather_places(const struct calx_block_view *b, struct calx_columns *c, const bool one_size)
+CALX_INLINE void gather_places(const struct calx_block_view *b, struct calx_columns *c, const bool planar, const bool one_size)
 {
     const struct constants k = constants_of(b);
     const bool curved = b->s->plan->needs & CALX_NEEDS_CURVATURE || b->look, keep = !b->look && !b->s->trial;
@@ -110,11 +113,12 @@ CALX_INLINE void gather_places(const struct calx_block_view *b, struct calx_colu
             reach = 2.0 * ri - excess;
             calx_v8_store(c->excess + lane, excess);
         }
-        calx_v8 square = calx_lanes_dot(d, d), distance = calx_v8_sqrt(square);
+        calx_v8 square = calx_lanes_dot(planar, d, d), distance = calx_v8_sqrt(square);
         calx_v8 inverse = 1.0 / calx_v8_positive(square, distance, one);
         n[0] = calx_v8_positive(square, d[0] * inverse, one); /* coincident centres: any direction will do */
         n[1] = d[1] * inverse;
-        n[2] = d[2] * inverse;
+        if (!planar)
+            n[2] = d[2] * inverse;
         calx_v8 overlap = reach - distance;
         unsigned exist = 0xff;
         if (lane + 8 > count) {
@@ -127,7 +131,7 @@ CALX_INLINE void gather_places(const struct calx_block_view *b, struct calx_colu
         if (keep)
             touching[lane / 8] = touch;
         calx_v8_store(c->overlap + lane, overlap);
-        store3(c->normal, lane, n);
+        store(planar, c->normal, lane, n);
         calx_v8_store(c->inverse + lane, inverse);
         calx_v8_store(c->levers + lane, k.centred ? distance : reach);
         if (curved) {
@@ -139,7 +143,7 @@ CALX_INLINE void gather_places(const struct calx_block_view *b, struct calx_colu
 
 /* From the rows of velocities and, if the scene has it, spin: relative velocities, effective mass, difference of temperatures. */
 CALX_INLINE void gather_speeds(const struct calx_block_view *b, struct calx_columns *c, const bool wide, const bool rotation,
-                               const bool one_size, const bool spin)
+                               const bool planar, const bool one_size, const bool spin)
 {
     const struct constants k = constants_of(b);
     const bool tangent = b->s->plan->needs & CALX_NEEDS_TANGENT, conduct = b->conduct;
@@ -157,10 +161,10 @@ CALX_INLINE void gather_speeds(const struct calx_block_view *b, struct calx_colu
         }
         if (rotation && (!one_size || spin))
             subtract(rows + 4, 8, i + lane, j + lane, e);
-        load3(c->normal, lane, n);
-        calx_v8 un = calx_lanes_dot(n, v), u2 = zero, tilt = zero, vn = un;
+        load(planar, c->normal, lane, n);
+        calx_v8 un = calx_lanes_dot(planar, n, v), u2 = zero, tilt = zero, vn = un;
         if (k.centred) {
-            u2 = calx_lanes_dot(v, v);
+            u2 = calx_lanes_dot(planar, v, v);
             tilt = k.lag * calx_v8_load(c->inverse + lane);
             vn = calx_lanes_approach(un, u2, tilt);
         }
@@ -170,31 +174,33 @@ CALX_INLINE void gather_speeds(const struct calx_block_view *b, struct calx_colu
             calx_v8_store(c->warmth + lane, v[7]);
         if (!tangent)
             continue;
-        calx_v8 m[3] = {n[0], n[1], n[2]}, w[3] = {{0}}, vt[3];
+        calx_v8 m[3] = {n[0], n[1]}, w[3] = {{0}}, vt[3];
+        if (!planar)
+            m[2] = n[2];
         if (rotation) {
             calx_v8 half = 0.5 * (calx_v8_load(c->levers + lane) - k.lag * vn);
-            for (int q = 0; q < 3; q++)
+            for (int q = planar ? 2 : 0; q < 3; q++)
                 w[q] = half * v[4 + q];
             if (!one_size)
-                calx_lanes_add(w, 0.5 * calx_v8_load(c->excess + lane), e);
+                calx_lanes_add(false, w, 0.5 * calx_v8_load(c->excess + lane), e);
             if (spin)
-                store3(c->spin, lane, e);
+                store(false, c->spin, lane, e);
         }
         if (k.centred)
-            calx_lanes_past_normal(n, v, un, u2, tilt, m);
-        calx_lanes_slide(m, v, w, vt);
+            calx_lanes_past_normal(planar, n, v, un, u2, tilt, m);
+        calx_lanes_slide(planar, m, v, w, vt);
         if (k.centred)
-            calx_lanes_lay(n, vt);
-        store3(c->vt, lane, vt);
-        turn_history(c, lane, vectors, vector_count, n, v, un, 0.5 * b->dt * calx_v8_load(c->inverse + lane));
+            calx_lanes_lay(planar, n, vt);
+        store(planar, c->vt, lane, vt);
+        turn_history(planar, c, lane, vectors, vector_count, n, v, un, 0.5 * b->dt * calx_v8_load(c->inverse + lane));
     }
 }
 
 CALX_INLINE void gather(const struct calx_block_view *b, struct calx_columns *c, const bool wide, const bool rotation,
-                        const bool one_size, const bool spin)
+                        const bool spin, const bool planar, const bool one_size)
 {
-    gather_places(b, c, one_size);
-    gather_speeds(b, c, wide, rotation, one_size, spin);
+    gather_places(b, c, planar, one_size);
+    gather_speeds(b, c, wide, rotation, planar, one_size, spin);
 }
 
 /* Of both bodies, for laws that ask for them. */
@@ -206,20 +212,23 @@ static void gather_temperatures(const struct calx_block_view *b, struct calx_col
     }
 }
 
-#define CALX_VARIANT(name, ...) \
-    static void name(const struct calx_block_view *b, struct calx_columns *c) { gather(b, c, __VA_ARGS__); }
-CALX_VARIANT(narrow, false, false, false, false)
-CALX_VARIANT(narrow_one, false, false, true, false)
-CALX_VARIANT(wide, true, false, false, false)
-CALX_VARIANT(wide_one, true, false, true, false)
-CALX_VARIANT(turning, true, true, false, false)
-CALX_VARIANT(turning_one, true, true, true, false)
-CALX_VARIANT(spinning, true, true, false, true)
-CALX_VARIANT(spinning_one, true, true, true, true)
+/* Of one kind of rows and laws: in space or in a plane, of several sizes or one. */
+#define CALX_VARIANTS(name, ...) \
+    static void name(const struct calx_block_view *b, struct calx_columns *c) { gather(b, c, __VA_ARGS__, false, false); } \
+    static void name##_one(const struct calx_block_view *b, struct calx_columns *c) { gather(b, c, __VA_ARGS__, false, true); } \
+    static void name##_flat(const struct calx_block_view *b, struct calx_columns *c) { gather(b, c, __VA_ARGS__, true, false); } \
+    static void name##_flat_one(const struct calx_block_view *b, struct calx_columns *c) { gather(b, c, __VA_ARGS__, true, true); }
+CALX_VARIANTS(narrow, false, false, false)
+CALX_VARIANTS(wide, true, false, false)
+CALX_VARIANTS(turning, true, true, false)
+CALX_VARIANTS(spinning, true, true, true)
 
-/* By what the rows and laws have, each with what came before: second half of the rows, rotation, relative spin; and by one size. */
-static void (*const variants[4][2])(const struct calx_block_view *, struct calx_columns *) = {
-    {narrow, narrow_one}, {wide, wide_one}, {turning, turning_one}, {spinning, spinning_one}};
+/* By what the rows and laws have, each with what came before: second half of the rows, rotation, relative spin. */
+static void (*const variants[4][2][2])(const struct calx_block_view *, struct calx_columns *) = {
+    {{narrow, narrow_one}, {narrow_flat, narrow_flat_one}},
+    {{wide, wide_one}, {wide_flat, wide_flat_one}},
+    {{turning, turning_one}, {turning_flat, turning_flat_one}},
+    {{spinning, spinning_one}, {spinning_flat, spinning_flat_one}}};
 
 /* History in place, or a copy of it for trials and whoever only looks. */
 static void point_at_history(const struct calx_block_view *b, struct calx_columns *c)
@@ -239,7 +248,7 @@ void CALX_ISA(calx_gather_batch)(const struct calx_block_view *b, struct calx_co
     const uint32_t needs = s->plan->needs;
     int kind = !(needs & CALX_NEEDS_ROTATION) ? s->r.stride == 8 : needs & CALX_NEEDS_SPIN ? 3 : 2;
     point_at_history(b, c);
-    variants[kind][s->radius_min == s->radius_max](b, c);
+    variants[kind][s->scene->dimension == 2][s->radius_min == s->radius_max](b, c);
     if (needs & CALX_NEEDS_TEMPERATURE || (b->sink && s->features.temperature))
         gather_temperatures(b, c);
 }

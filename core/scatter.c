@@ -31,21 +31,21 @@ static struct flows flows_of(const struct calx_block_view *b)
     return f;
 }
 
-CALX_INLINE void load3(const calx_column *from, size_t lane, calx_v8 v[3])
+CALX_INLINE void load(const bool planar, const calx_column *from, size_t lane, calx_v8 v[3])
 {
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < (planar ? 2 : 3); k++)
         v[k] = calx_v8_load(from[k] + lane);
 }
 
 /* Force on i, and n x ft if there are tangential forces. */
-CALX_INLINE void forces(const struct calx_columns *c, size_t lane, bool tangent, calx_v8 force[3], calx_v8 twist[3])
+CALX_INLINE void forces(const struct calx_columns *c, size_t lane, const bool planar, bool tangent, calx_v8 force[3], calx_v8 twist[3])
 {
     calx_v8 n[3], ft[3] = {{0}}, fn = calx_v8_load(c->fn + lane);
-    load3(c->normal, lane, n);
+    load(planar, c->normal, lane, n);
     if (tangent)
-        load3(c->ft, lane, ft);
-    calx_lanes_force(n, fn, ft, force);
-    calx_lanes_twist(n, ft, twist);
+        load(planar, c->ft, lane, ft);
+    calx_lanes_force(planar, n, fn, ft, force);
+    calx_lanes_twist(planar, n, ft, twist);
 }
 
 /* Heat into body 0 or 1. */
@@ -69,7 +69,7 @@ static void scatter_narrow(const struct calx_block_view *b, const struct calx_co
         calx_v8 force[4] = {{0}}, twist[3];
         calx_v4 row[8];
         size_t end = c->n - lane < 8 ? c->n - lane : 8;
-        forces(c, lane, tangent, force, twist);
+        forces(c, lane, false, tangent, force, twist);
         calx_columns_to_rows(force, row);
         for (size_t k = 0; k < end; k++) {
             calx_v4_add((double *)calx_place_row(b->a, 4, b->i[lane + k]), row[k]);
@@ -84,6 +84,12 @@ CALX_INLINE void add(double *a, uint32_t place, calx_v8 row)
     calx_v8_store(to, calx_v8_load(to) + row);
 }
 
+CALX_INLINE void add_rows(double *a, const uint32_t *to, const calx_v8 row[8], size_t count)
+{
+    for (size_t k = 0; k < count; k++)
+        add(a, to[k], row[k]);
+}
+
 /* Row k to body i of pair k, and with some signs changed to body j. */
 CALX_INLINE void add_mirrored(double *a, const uint32_t *i, const uint32_t *j, const calx_v8 row[8], size_t count)
 {
@@ -95,18 +101,18 @@ CALX_INLINE void add_mirrored(double *a, const uint32_t *i, const uint32_t *j, c
 }
 
 /* Bodies of one size, no couple of their own, heat that goes from one to the other: one set of rows serves both. */
-CALX_INLINE void scatter_mirror(const struct calx_block_view *b, const struct calx_columns *c, const struct flows *f, const bool tangent,
-                               const bool rotation, const bool conduct)
+CALX_INLINE void scatter_mirror(const struct calx_block_view *b, const struct calx_columns *c, const struct flows *f, const bool planar,
+                               const bool tangent, const bool rotation, const bool conduct)
 {
     const uint32_t *i = b->i, *j = b->j;
     double *a = b->a;
     const size_t n = c->n;
     for (size_t lane = 0; lane < n; lane += 8) {
         calx_v8 row[8] = {{0}}, twist[3];
-        forces(c, lane, tangent, row, twist);
+        forces(c, lane, planar, tangent, row, twist);
         if (rotation) {
             calx_v8 lever = -0.5 * calx_v8_load(c->levers + lane);
-            for (int k = 0; k < 3; k++)
+            for (int k = planar ? 2 : 0; k < 3; k++)
                 row[4 + k] = lever * twist[k];
         }
         if (conduct)
@@ -119,45 +125,63 @@ CALX_INLINE void scatter_mirror(const struct calx_block_view *b, const struct ca
     }
 }
 
-static void scatter_mirror_spins(const struct calx_block_view *b, const struct calx_columns *c, const struct flows *f)
+static void mirror_spins(const struct calx_block_view *b, const struct calx_columns *c, const struct flows *f)
 {
-    scatter_mirror(b, c, f, true, true, false);
+    scatter_mirror(b, c, f, false, true, true, false);
 }
 
-static void scatter_mirror_any(const struct calx_block_view *b, const struct calx_columns *c, const struct flows *f)
+static void mirror_spins_flat(const struct calx_block_view *b, const struct calx_columns *c, const struct flows *f)
 {
-    uint32_t needs = b->s->plan->needs;
-    scatter_mirror(b, c, f, needs & CALX_NEEDS_TANGENT, needs & CALX_NEEDS_ROTATION, f->conduct);
+    scatter_mirror(b, c, f, true, true, true, false);
 }
 
-static void scatter_both(const struct calx_block_view *b, const struct calx_columns *c, const struct flows *f)
+static void mirror_any(const struct calx_block_view *b, const struct calx_columns *c, const struct flows *f)
 {
     uint32_t needs = b->s->plan->needs;
+    scatter_mirror(b, c, f, false, needs & CALX_NEEDS_TANGENT, needs & CALX_NEEDS_ROTATION, f->conduct);
+}
+
+CALX_INLINE void scatter_both(const struct calx_block_view *b, const struct calx_columns *c, const struct flows *f, const bool planar)
+{
+    const uint32_t needs = b->s->plan->needs;
+    double *a = b->a;
+    const size_t n = c->n;
     bool several_sizes = b->s->radius_min < b->s->radius_max;
-    for (size_t lane = 0; lane < c->n; lane += 8) {
+    for (size_t lane = 0; lane < n; lane += 8) {
         calx_v8 force[3], twist[3], torque[3] = {{0}};
-        size_t end = c->n - lane < 8 ? c->n - lane : 8;
-        forces(c, lane, needs & CALX_NEEDS_TANGENT, force, twist);
+        forces(c, lane, planar, needs & CALX_NEEDS_TANGENT, force, twist);
         if (needs & CALX_NEEDS_SPIN)
-            load3(c->torque, lane, torque);
+            load(false, c->torque, lane, torque);
         for (int body = 0; body < 2; body++) {
             calx_v8 row[8] = {{0}}, sign = (calx_v8){0} + (body ? -1.0 : 1.0);
-            for (int k = 0; k < 3; k++)
+            for (int k = 0; k < (planar ? 2 : 3); k++)
                 row[k] = sign * force[k];
             if (needs & CALX_NEEDS_ROTATION) {
                 calx_v8 lever = 0.5 * calx_v8_load(c->levers + lane);
                 if (several_sizes)
                     lever += 0.5 * sign * calx_v8_load(c->excess + lane);
-                for (int k = 0; k < 3; k++)
+                for (int k = planar ? 2 : 0; k < 3; k++)
                     row[4 + k] = sign * torque[k] - lever * twist[k];
             }
             row[7] = heat_into(c, lane, f, body);
             calx_transpose8(row);
             const uint32_t *to = (body ? b->j : b->i) + lane;
-            for (size_t k = 0; k < end; k++)
-                add(b->a, to[k], row[k]);
+            if (n - lane >= 8)
+                add_rows(a, to, row, 8);
+            else
+                add_rows(a, to, row, n - lane);
         }
     }
+}
+
+static void both_in_space(const struct calx_block_view *b, const struct calx_columns *c, const struct flows *f)
+{
+    scatter_both(b, c, f, false);
+}
+
+static void both_flat(const struct calx_block_view *b, const struct calx_columns *c, const struct flows *f)
+{
+    scatter_both(b, c, f, true);
 }
 
 /* Overlap relative to the smaller radius. */
@@ -219,13 +243,14 @@ void CALX_ISA(calx_scatter_batch)(const struct calx_block_view *b, struct calx_c
     const uint32_t needs = b->s->plan->needs;
     struct flows f = flows_of(b);
     forget_parted(b, c);
+    const bool planar = b->s->scene->dimension == 2;
     if (b->s->r.stride == 4)
         scatter_narrow(b, c);
-    else if (f.mirror && needs & CALX_NEEDS_ROTATION && !f.conduct)
-        scatter_mirror_spins(b, c, &f);
-    else if (f.mirror)
-        scatter_mirror_any(b, c, &f);
+    else if (!f.mirror)
+        (planar ? both_flat : both_in_space)(b, c, &f);
+    else if (needs & CALX_NEEDS_ROTATION && !f.conduct)
+        (planar ? mirror_spins_flat : mirror_spins)(b, c, &f);
     else
-        scatter_both(b, c, &f);
+        mirror_any(b, c, &f);
     tally(b, c);
 }
