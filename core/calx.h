@@ -87,7 +87,7 @@ struct calx_frame {
     int64_t (*pair)[2];            /* ids; a wall w is -1 - w */
     double (*pair_position)[2][3]; /* centre of i; centre of j or the point of the wall, of the same periodic image */
     double *normal_force, *tangential_force, *heat_flow, *overlap; /* N, N, W (into i), m */
-    int32_t *status; /* 0 stick, 1 slip (friction fully mobilised) */
+    int32_t *status; /* 0 stick, 1 slip (friction fully mobilised), 2 cohesive: pulls (of non-smooth laws) */
     /* walls: primitives at their present pose; arcs of circles, cylinders and spheres as flat pieces */
     size_t wall_points, wall_cells;
     double (*wall_position)[3];

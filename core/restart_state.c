@@ -21,6 +21,7 @@ struct scalars {
     double wall_power, potential0, scale, heat_scale, coldest, hottest, overlap_seen, trusted;
     double dt, heat_dt, pace_time, pace_overlap, checked;
     int64_t contacts_seen, look_from, heat_every, pace_step, pace_level, pace_due;
+    double sweeps, residual;
 };
 
 #define COPY_SCALARS(to, from)                                                                     \
@@ -51,6 +52,7 @@ struct scalars {
         (to)->heat_every = (from)->heat_every, (to)->pace_time = (from)->pace_time;                \
         (to)->pace_step = (from)->pace_step, (to)->pace_level = (from)->pace_level;                \
         (to)->pace_due = (from)->pace_due, (to)->pace_overlap = (from)->pace_overlap;              \
+        (to)->sweeps = (from)->sweeps, (to)->residual = (from)->residual;                          \
         (to)->checked = (from)->checked;                                                           \
         (to)->heat_scale = (from)->heat_scale;                                                     \
     } while (0)

@@ -114,7 +114,7 @@ static bool sift(struct calx_sim *s)
 
 /* The neighbour list and, within it, the list of what may touch soon. A list whose room for pairs that come to touch is used up is built
  * again; the next ones then have room for all. */
-static int keep_lists(struct calx_sim *s, struct calx_error *e)
+int calx_step_lists(struct calx_sim *s, struct calx_error *e)
 {
     bool built = calx_neighbours_stale(s);
     if (built)
@@ -131,7 +131,7 @@ static int keep_lists(struct calx_sim *s, struct calx_error *e)
 
 int calx_step_forces(struct calx_sim *s, const struct calx_pass *pass, struct calx_error *e)
 {
-    CALX_TRY(keep_lists(s, e));
+    CALX_TRY(calx_step_lists(s, e));
     sweep(s, pass);
     s->evaluations++;
     if (s->features.wall_contacts && !s->trial)
