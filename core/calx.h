@@ -43,6 +43,8 @@ double calx_sim_dt(const struct calx_sim *);
 /* The step over the longest stable one, of the contacts there are and of those to be expected; 0 if nothing limits it. *id (may be NULL):
  * the particle that sets it, -1 if it is the stiffest contact to be expected. NaN without memory. */
 double calx_sim_step_share(struct calx_sim *, int64_t *id);
+/* Sweeps that the solution of rigid contacts took in the last step, and the residual that it left; 0 and 0 without any. */
+double calx_sim_solver(const struct calx_sim *, double *residual);
 int calx_sim_stage(const struct calx_sim *);    /* index of the current stage */
 bool calx_sim_stage_began(const struct calx_sim *); /* the step just made ended a stage */
 

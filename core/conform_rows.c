@@ -132,6 +132,24 @@ static int forces(void *engine, const struct calx_evaluation *ask)
     return 0;
 }
 
+/* Nobody touches anybody: what is asked for in the place of impulses is the pull of the oscillators. */
+static int contacts(void *engine, const struct calx_moments *at, struct calx_problem **problem)
+{
+    struct calx_oscillators *s = engine;
+    s->moments = *at;
+    s->problem = (struct calx_problem){.size = sizeof s->problem, .dt = s->r.dt[0]};
+    *problem = &s->problem;
+    return 0;
+}
+
+static int impulses(void *engine)
+{
+    struct calx_oscillators *s = engine;
+    calx_oscillators_accelerate(s, s->moments.forces);
+    s->kept = s->moments.velocities;
+    return 0;
+}
+
 static void drive(struct calx_oscillators *s, const struct calx_choice *c)
 {
     char why[256];
@@ -143,7 +161,9 @@ static void drive(struct calx_oscillators *s, const struct calx_choice *c)
                                     .memory = s->memory,
                                     .each = each,
                                     .largest = largest,
-                                    .forces = forces};
+                                    .forces = forces,
+                                    .contacts = contacts,
+                                    .impulses = impulses};
     s->kept = s->time;
     s->failed |= c->motion.advance(c->params, &host, why, sizeof why) != 0;
     s->failed |= !(s->kept >= s->time + dt);

@@ -3,6 +3,8 @@
  * One batch of contacts, whatever the bodies: the stack of laws and the conductance. And for wall contacts, which come as single lanes, what
  * gather.c does for pairs: velocities at the contact point and the turning of history.
  */
+#include <float.h>
+#include <math.h>
 #include <string.h>
 
 #include "core/columns.h"
@@ -105,8 +107,10 @@ static void make_views(const struct calx_plan *p, struct calx_columns *c)
         c->views[l] = view(p, p->laws[l].demand.needs, c);
         c->views[l].history = c->law_history[l];
     }
-    if (p->conductance)
+    if (p->conductance) {
         c->views[p->law_count] = view(p, p->conductance_demand.needs, c);
+        c->views[p->law_count].overlap = p->nonsmooth ? c->energy : c->overlap;
+    }
     c->viewed = p;
 }
 
@@ -190,10 +194,19 @@ static void take_impulses(const struct calx_plan *p, struct calx_columns *c)
     }
 }
 
+/* Rigid bodies touch where they press on each other, whatever rounding has left between them: to conductances that is an overlap. */
+static void show_touch(struct calx_columns *c)
+{
+    memset(c->energy, 0, sizeof c->energy);
+    for (size_t lane = 0; lane < c->n; lane++)
+        c->energy[lane] = c->fn[lane] > 0.0 ? fmax(c->overlap[lane], DBL_MIN) : fmin(c->overlap[lane], 0.0);
+}
+
 static void run_nonsmooth(const struct calx_plan *p, size_t type, struct calx_columns *c)
 {
     run_conditions(p, type, c);
     take_impulses(p, c);
+    show_touch(c);
 }
 
 /* ---- all laws ---- */

@@ -319,7 +319,7 @@ static int choose_step(struct calx_sim *s, struct calx_plan *p, struct calx_erro
         p->dt = m->dt;
     if (p->nonsmooth && !m->frozen && !(m->dt > 0.0))
         return calx_error_set(e, CALX_ERROR_INPUT,
-            "integrator '%s' needs a time step: rigid contacts vibrate at no frequency that could set one; give dt on <integrator>, so that "
+            "no time step: rigid contacts vibrate at no frequency that could set one for integrator '%s'; give dt on <integrator>, so that "
             "bodies come a small share of their radius in a step", p->motion->name);
     if (!(p->dt > 0.0) || !isfinite(p->dt))
         return calx_error_set(e, CALX_ERROR_INPUT,

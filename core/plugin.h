@@ -230,8 +230,8 @@ struct calx_conductance_law {
     struct calx_demand demand; /* history is not available to conductances */
     int (*prepare)(const struct calx_setup *, void *params, struct calx_demand *, char *why, size_t why_size);
     void (*release)(void *params);
-    /* [kernel] conductance: W/K, one column; 0 where bodies do not touch: overlap <= 0, or, under non-smooth laws, fn <= 0. The heat flow to
-     * i is H (T_j - T_i). */
+    /* [kernel] conductance: W/K, one column; 0 where overlap <= 0. The heat flow to i is H (T_j - T_i). Under non-smooth laws bodies have an
+     * overlap, if only the smallest number, where fn > 0, and none elsewhere. */
     void (*conductance)(const void *params, const struct calx_contacts *, double *conductance);
 };
 

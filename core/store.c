@@ -106,7 +106,7 @@ static void fill_row(const struct calx_sim *s, struct calx_store *t, int32_t row
 {
     const double *v = calx_row_v(s, row), radius = calx_row_x(s, row)[3];
     double *before = t->before + 8 * (size_t)row, *after = t->velocity + 8 * (size_t)row;
-    bool turns = s->features.rotation;
+    bool turns = s->plan->needs & CALX_NEEDS_ROTATION;
     memcpy(before, v, 4 * sizeof *v);
     for (int k = 0; k < 3; k++)
         before[4 + k] = turns ? v[4 + k] : 0.0;
@@ -292,6 +292,12 @@ void calx_store_work(struct calx_sim *s)
     }
     s->sweeps = t->view.sweeps;
     s->residual = t->view.residual;
+}
+
+double calx_sim_solver(const struct calx_sim *s, double *residual)
+{
+    *residual = s->residual;
+    return s->sweeps;
 }
 
 struct calx_problem *calx_store_problem(struct calx_sim *s)

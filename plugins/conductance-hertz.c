@@ -4,7 +4,7 @@
  * Spheres: H = 2 k a, a = (3 fn R* / (4 E*))^(1/3); Batchelor and O'Brien, Proc. R. Soc. Lond. A
  * 355 (1977) 313. Discs of length L: H = 2 k sqrt(2 b L), b^2 = 4 fn R* / (pi L E*); Yovanovich as
  * used by Renouf et al. The stiffness of the contact law may be chosen at will: only its force
- * matters here, and that of a rigid contact does as well.
+ * matters here.
  */
 #include <math.h>
 #include <string.h>
@@ -80,33 +80,37 @@ static inline double cube_root(double v)
 
 /* `discs` is known when this is compiled. */
 static inline __attribute__((always_inline)) void press(const int discs, size_t n, const struct hertz *p,
-                                                        const double *restrict normal_force, const double *restrict k1,
-                                                        const double *restrict k2, double *restrict h)
+                                                        const double *restrict overlap, const double *restrict normal_force,
+                                                        const double *restrict k1, const double *restrict k2,
+                                                        double *restrict h)
 {
     const double scale = p->scale, twice = p->twice;
     for (size_t c = 0; c < n; c++) {
-        double fn = normal_force[c] > 0 ? normal_force[c] : 0;
+        double fn = overlap[c] > 0 && normal_force[c] > 0 ? normal_force[c] : 0;
         double pressed = scale * fn / (k1[c] + k2[c]);
         h[c] = twice * (discs ? sqrt(sqrt(pressed)) : cube_root(pressed));
     }
 }
 
-CALX_KERNEL static void press_spheres(size_t n, const struct hertz *p, const double *restrict fn,
-                                      const double *restrict k1, const double *restrict k2, double *restrict h)
+CALX_KERNEL static void press_spheres(size_t n, const struct hertz *p, const double *restrict overlap,
+                                      const double *restrict fn, const double *restrict k1,
+                                      const double *restrict k2, double *restrict h)
 {
-    press(0, n, p, fn, k1, k2, h);
+    press(0, n, p, overlap, fn, k1, k2, h);
 }
 
-CALX_KERNEL static void press_discs(size_t n, const struct hertz *p, const double *restrict fn,
-                                    const double *restrict k1, const double *restrict k2, double *restrict h)
+CALX_KERNEL static void press_discs(size_t n, const struct hertz *p, const double *restrict overlap,
+                                    const double *restrict fn, const double *restrict k1,
+                                    const double *restrict k2, double *restrict h)
 {
-    press(1, n, p, fn, k1, k2, h);
+    press(1, n, p, overlap, fn, k1, k2, h);
 }
 
 static void conductance(const void *params, const struct calx_contacts *b, double *restrict h)
 {
     const struct hertz *p = params;
-    (p->discs > 0 ? press_discs : press_spheres)(calx_padded(b->n), p, b->fn, b->curvature[0], b->curvature[1], h);
+    (p->discs > 0 ? press_discs : press_spheres)(calx_padded(b->n), p, b->overlap, b->fn, b->curvature[0], b->curvature[1],
+                                                 h);
 }
 
 static const struct calx_conductance_law law = {

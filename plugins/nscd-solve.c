@@ -1,15 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * The contact problem of a step: W r - v = -v_free with the conditions of all contacts, W = H^T M^-1 H. It is solved by non-smooth
- * Gauss-Seidel sweeps (Jean 1999): contact after contact gets the impulse that its own condition asks for, all others being as they are, and
- * its bodies the velocity that follows. The lever of a contact of spheres is along the normal, so a contact's own block of W is diagonal,
- * 1/w_n, 1/w_t, 1/w_t, and its solution exact: the normal impulse is projected on r_n >= 0, then the tangential one on |r_t| <= mu r_n.
+ * The contact problem of a step: W r - v = -v_free with the conditions of all contacts, W = H^T M^-1 H. Non-smooth Gauss-Seidel sweeps
+ * (Jean 1999) give contact after contact the impulse that its own condition asks for, all others being as they are, and its bodies the
+ * velocity that follows; because a contact's own block of W is diagonal that impulse is exact. Or the accelerated descent of nscd-apgd.c.
  *
- * Sweeps end when the natural map of De Saxce leaves a small residual (Acary and Brogliato, Numerical Methods for Nonsmooth Dynamical
- * Systems (2008), ch. 13), and when the changes, taken for a geometric series, sum up to little: a heavy body on a light one has a residual of
- * 1e-4 while nearly all of the impulse is missing.
- *
- * Cohesion: with a pull the law is Signorini's for r_n + pull h. That is what r_n means below.
+ * They end when the natural map of De Saxce leaves a small residual (Acary and Brogliato, Numerical Methods for Nonsmooth Dynamical
+ * Systems (2008), ch. 13), and when the changes of sweeps, taken for a geometric series, sum up to little: a heavy body on a light one has
+ * a residual of 1e-4 while nearly all of the impulse is missing.
  */
 #include <math.h>
 #include <stdio.h>
@@ -17,96 +14,38 @@
 
 #include "plugins/nscd.h"
 
-static const double ROUND_OFF = 1e-14; /* relative changes that say nothing of a rate */
-
-struct contact {
-    double n[3], lever[2];
-    double inverse[2];   /* kg: 1/w_n, 1/w_t; 0 if neither body can move */
-    double bias, mu;     /* m/s: u_n + bias >= 0 */
-    double r[4];         /* N s: r_n, r_t */
-    double pull;         /* N s */
-    double wall[3];
-    double *vi, *vj;     /* rows of eight; vj NULL for a wall */
-    double height;
-    size_t index;        /* in the problem */
-};
-
-struct solver {
-    const struct nscd *p;
-    struct calx_problem *problem;
-    size_t n; /* contacts whose impulse is asked for, the others only pull */
-    struct contact *list;
-};
+/* Of the impulses, and of those that would stop the bodies: smaller ones say nothing. */
+static const double ROUND_OFF = 1e-14;
+static const double UNKNOWN = 1e9; /* no accuracy excludes it but one below */
+enum { WATCHED = 200 }; /* sweeps */
+static const double CALMER = 0.7;
+enum { SWEEPS = 3 }; /* after a descent, to see what is still to come */
 
 /* ---- one contact ---- */
 
-/* Adds the impulse rn n + rt to body i, the opposite to j. */
-static inline void push(const struct contact *c, double rn, const double rt[3])
-{
-    double r[3], twist[3];
-    for (int k = 0; k < 3; k++) {
-        r[k] = rn * c->n[k] + rt[k];
-        twist[k] = c->n[(k + 1) % 3] * rt[(k + 2) % 3] - c->n[(k + 2) % 3] * rt[(k + 1) % 3];
-    }
-    for (int k = 0; k < 3; k++) {
-        c->vi[k] += c->vi[3] * r[k];
-        c->vi[4 + k] -= c->vi[7] * c->lever[0] * twist[k];
-    }
-    for (int k = 0; c->vj && k < 3; k++) {
-        c->vj[k] -= c->vj[3] * r[k];
-        c->vj[4 + k] -= c->vj[7] * c->lever[1] * twist[k];
-    }
-}
-
-/* Velocity of i relative to j at the contact point: normal, tangential. */
-static inline double relative(const struct contact *c, const double *vi, const double *vj, const double wall[3], double ut[3])
-{
-    double u[3], w[3], un = 0;
-    for (int k = 0; k < 3; k++) {
-        u[k] = vi[k] - (vj ? vj[k] : wall[k]);
-        w[k] = c->lever[0] * vi[4 + k] + (vj ? c->lever[1] * vj[4 + k] : 0);
-        un += u[k] * c->n[k];
-    }
-    for (int k = 0; k < 3; k++)
-        ut[k] = u[k] - un * c->n[k] + (c->n[(k + 1) % 3] * w[(k + 2) % 3] - c->n[(k + 2) % 3] * w[(k + 1) % 3]);
-    return un;
-}
-
-static inline double square(const double v[3])
-{
-    return v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-}
-
 /* Brings one contact to its condition; returns the square of the change. */
-static inline double relax(struct contact *c, double omega)
+static inline double relax(struct nscd_contact *c, double *v, double omega)
 {
-    double ut[3], change[3] = {0}, un = relative(c, c->vi, c->vj, c->wall, ut);
-    double rn = fmax(0, c->r[0] - omega * c->inverse[0] * (un + c->bias)), step = rn - c->r[0];
-    c->r[0] = rn;
-    if (c->mu > 0) {
-        double t[3], limit = c->mu * rn;
-        for (int k = 0; k < 3; k++)
-            t[k] = c->r[1 + k] - omega * c->inverse[1] * ut[k];
-        double size2 = square(t), share = size2 > limit * limit ? limit / sqrt(size2) : 1;
-        for (int k = 0; k < 3; k++) {
-            change[k] = share * t[k] - c->r[1 + k];
-            c->r[1 + k] = share * t[k];
-        }
-    }
-    double change2 = step * step + square(change);
-    if (change2 > 0)
-        push(c, step, change);
+    double ut[3], to[4], un = nscd_relative(c, v, c->wall, ut);
+    nscd_project(c, c->r, un, ut, omega, to);
+    double step = to[0] - c->r[0], change[3] = {to[1] - c->r[1], to[2] - c->r[2], to[3] - c->r[3]};
+    double change2 = step * step + nscd_square(change);
+    if (!(change2 > 0))
+        return 0;
+    nscd_push(c, v, step, change);
+    for (int k = 0; k < 4; k++)
+        c->r[k] = to[k];
     return change2;
 }
 
 /* The square of what the natural map leaves: r - P(r - (u + mu |u_t| n)/w_n), P the projection on the cone |r_t| <= mu r_n. */
-static double unmet(const struct contact *c)
+static double unmet(const struct nscd_contact *c, const double *v)
 {
-    double ut[3], t[3], un = relative(c, c->vi, c->vj, c->wall, ut), mu = c->mu;
-    double z = c->r[0] - c->inverse[0] * (un + c->bias + mu * sqrt(square(ut))), left = 0;
+    double ut[3], t[3], un = nscd_relative(c, v, c->wall, ut), mu = c->mu;
+    double z = c->r[0] - c->inverse[0] * (un + c->bias + mu * sqrt(nscd_square(ut))), left = 0;
     for (int k = 0; k < 3; k++)
         t[k] = mu > 0 ? c->r[1 + k] - c->inverse[0] * ut[k] : 0;
-    double size = sqrt(square(t)), share = 1;
+    double size = sqrt(nscd_square(t)), share = 1;
     if (mu * size <= -z) {
         z = share = 0;
     } else if (size > mu * z) {
@@ -120,69 +59,74 @@ static double unmet(const struct contact *c)
 
 /* ---- the problem ---- */
 
-static double inverse(double w)
-{
-    return w > 0 ? 1 / w : 0;
-}
-
-/* What is to be kept from passing through, and what bounces: Newton's restitution acts between bodies that touch, so where there is one a
- * gap may close, by less than bodies come in a step; without it the gap is closed to the point. Returns whether an impulse may act. */
-static int set_bias(struct contact *c, const struct nscd *p, const struct calx_problem *q, size_t k)
+/* Newton's restitution acts between bodies that touch: where there is one a gap may close, and bodies overlap by less than they approach in a
+ * step. Without it the gap is 0 where it is looked for next, h later. Returns whether an impulse may act. */
+static int set_bias(struct nscd_contact *c, const struct calx_problem *q, size_t k)
 {
     double ut[3], wall[3];
+    int touch = !(q->gap[k] > 0), bounces = q->restitution[k] > 0;
     for (int d = 0; d < 3; d++)
         wall[d] = q->wall_before[d][k];
-    const double *vi = q->before + 8 * (size_t)q->body[0][k];
-    const double *vj = q->body[1][k] < 0 ? NULL : q->before + 8 * (size_t)q->body[1][k];
-    if (q->gap[k] > 0)
-        c->bias = q->gap[k] / (p->theta * q->dt);
-    else
-        c->bias = q->restitution[k] > 0 ? q->restitution[k] * relative(c, vi, vj, wall, ut) : 0;
-    return c->inverse[0] > 0 && (!(q->gap[k] > 0) || !(q->restitution[k] > 0));
+    c->bias = !touch ? q->gap[k] / q->dt : bounces ? q->restitution[k] * nscd_relative(c, q->before, wall, ut) : 0;
+    return c->inverse[0] > 0 && (touch || !bounces);
+}
+
+static void weigh(struct nscd_contact *c, const double *v)
+{
+    const double *vi = v + 8 * (size_t)c->i, *vj = c->j < 0 ? NULL : v + 8 * (size_t)c->j;
+    c->w[0] = vi[3] + (vj ? vj[3] : 0);
+    c->w[1] = c->w[0] + vi[7] * c->lever[0] * c->lever[0] + (vj ? vj[7] * c->lever[1] * c->lever[1] : 0);
+    for (int k = 0; k < 2; k++)
+        c->inverse[k] = c->w[k] > 0 ? 1 / c->w[k] : 0;
 }
 
 /* Contact k of the problem; returns whether an impulse may act. */
-static int fill(struct contact *c, const struct nscd *p, const struct calx_problem *q, size_t k)
+static int fill(struct nscd_contact *c, const struct nscd *p, const struct calx_problem *q, size_t k)
 {
-    double height = 0, weight[2];
-    *c = (struct contact){.mu = q->friction[k], .pull = q->pull[k] * q->dt, .index = k};
-    c->vi = q->velocity + 8 * (size_t)q->body[0][k];
-    c->vj = q->body[1][k] < 0 ? NULL : q->velocity + 8 * (size_t)q->body[1][k];
+    *c = (struct nscd_contact){.mu = q->friction[k], .i = q->body[0][k], .j = q->body[1][k], .index = k};
     for (int b = 0; b < 2; b++)
         c->lever[b] = q->lever[b][k];
     for (int d = 0; d < 3; d++) {
         c->n[d] = q->normal[d][k];
         c->wall[d] = q->wall_after[d][k];
-        height -= q->gravity[d] * (q->position[4 * (size_t)q->body[0][k] + (size_t)d] - c->lever[0] * c->n[d]);
+        c->height -= q->gravity[d] * (q->position[4 * (size_t)c->i + (size_t)d] - c->lever[0] * c->n[d]);
     }
-    weight[0] = c->vi[3] + (c->vj ? c->vj[3] : 0);
-    weight[1] = weight[0] + c->vi[7] * c->lever[0] * c->lever[0] + (c->vj ? c->vj[7] * c->lever[1] * c->lever[1] : 0);
-    c->inverse[0] = inverse(weight[0]);
-    c->inverse[1] = inverse(weight[1]);
-    c->height = height;
-    if (!(c->inverse[0] > 0))
-        c->pull = 0;
-    int acts = set_bias(c, p, q, k);
-    for (int d = 0; acts && p->warm > 0 && d < 3; d++)
-        c->r[1 + d] = c->mu > 0 ? q->impulse[d][k] : 0;
-    if (acts && p->warm > 0)
-        c->r[0] = fmax(0, q->normal_impulse[k] + c->pull);
-    return acts;
+    weigh(c, q->velocity);
+    c->pull = c->inverse[0] > 0 ? q->pull[k] * q->dt : 0;
+    if (!set_bias(c, q, k))
+        return 0;
+    c->r[0] = p->warm > 0 ? fmax(0, q->normal_impulse[k] + c->pull) : 0;
+    for (int d = 0; d < 3; d++)
+        c->r[1 + d] = p->warm > 0 && c->mu > 0 ? q->impulse[d][k] : 0;
+    return 1;
 }
 
 static int lower(const void *a, const void *b)
 {
-    const struct contact *c = a, *d = b;
+    const struct nscd_contact *c = a, *d = b;
     return c->height < d->height ? -1 : c->height > d->height ? 1 : c->index < d->index ? -1 : c->index > d->index;
 }
 
+/* Impulses that would bring all contacts to rest, and to touch. */
+static double stopping(const struct nscd_solver *s)
+{
+    double sum = 0;
+    for (size_t k = 0; k < s->n; k++) {
+        const struct nscd_contact *c = &s->list[k];
+        double ut[3], un = nscd_relative(c, s->v, c->wall, ut);
+        sum += c->inverse[0] * c->inverse[0] * (un * un + c->bias * c->bias + nscd_square(ut));
+    }
+    return sqrt(sum);
+}
+
 /* Contacts that an impulse may act in come first; velocities become those with what all contacts start with. */
-static void set_up(struct solver *s)
+static void set_up(struct nscd_solver *s)
 {
     struct calx_problem *q = s->problem;
-    size_t end = q->n;
+    size_t end = s->total = q->n;
+    s->v = q->velocity;
     for (size_t k = 0; k < q->n; k++) {
-        struct contact c;
+        struct nscd_contact c;
         if (fill(&c, s->p, q, k))
             s->list[s->n++] = c;
         else
@@ -190,86 +134,126 @@ static void set_up(struct solver *s)
     }
     if (s->p->order > 0)
         qsort(s->list, s->n, sizeof *s->list, lower);
-    for (size_t k = 0; k < q->n; k++)
-        push(&s->list[k], s->list[k].r[0] - s->list[k].pull, s->list[k].r + 1);
+    s->rounding = ROUND_OFF * stopping(s);
+    for (size_t k = 0; k < s->total; k++)
+        nscd_push(&s->list[k], s->v, s->list[k].r[0] - s->list[k].pull, s->list[k].r + 1);
 }
 
-static void hand_back(const struct solver *s)
+static void hand_back(const struct nscd_solver *s)
 {
     struct calx_problem *q = s->problem;
-    for (size_t k = 0; k < q->n; k++) {
-        const struct contact *c = &s->list[k];
+    for (size_t k = 0; k < s->total; k++) {
+        const struct nscd_contact *c = &s->list[k];
         q->normal_impulse[c->index] = c->r[0] - c->pull;
         for (int d = 0; d < 3; d++)
             q->impulse[d][c->index] = c->r[1 + d];
     }
 }
 
-/* ---- sweeps ---- */
+/* ---- the solution ---- */
 
-static double size(const struct solver *s)
+static double size(const struct nscd_solver *s)
 {
     double sum = 0;
     for (size_t k = 0; k < s->n; k++)
-        sum += s->list[k].r[0] * s->list[k].r[0] + square(s->list[k].r + 1);
+        sum += s->list[k].r[0] * s->list[k].r[0] + nscd_square(s->list[k].r + 1);
     return sqrt(sum);
 }
 
-static double residual(const struct solver *s)
-{
-    double sum = 0, scale = size(s);
-    for (size_t k = 0; k < s->n; k++)
-        sum += unmet(&s->list[k]);
-    return sum > 0 ? sqrt(sum) / scale : 0;
-}
-
-static double sweep(struct solver *s)
+double nscd_residual(const struct nscd_solver *s)
 {
     double sum = 0;
     for (size_t k = 0; k < s->n; k++)
-        sum += relax(&s->list[k], s->p->relaxation);
+        sum += unmet(&s->list[k], s->v);
+    return sqrt(sum) > s->rounding ? sqrt(sum) / size(s) : 0;
+}
+
+static double sweep(struct nscd_solver *s)
+{
+    double sum = 0;
+    for (size_t k = 0; k < s->n; k++)
+        sum += relax(&s->list[k], s->v, s->relaxation);
+    s->problem->sweeps++;
     return sqrt(sum);
 }
 
-/* What is still to come if changes go on to shrink as the last did. */
-static double still_to_come(double change, double before, double scale)
+/* What is still to come if changes go on to shrink as the last did, relative to the impulses. */
+static double still_to_come(const struct nscd_solver *s, double change, double before, double scale)
 {
-    return change <= ROUND_OFF * scale ? 0 : change < before ? change * change / (before - change) : INFINITY;
+    if (change <= fmax(s->rounding, ROUND_OFF * scale))
+        return 0;
+    return change < before ? fmin(change * change / (before - change) / scale, UNKNOWN) : UNKNOWN;
 }
 
-static int unsolved(const struct solver *s, double left, char *why, size_t why_size)
+static int unsolved(const struct nscd_solver *s, double left, char *why, size_t why_size)
 {
     const struct calx_problem *q = s->problem;
     snprintf(why, why_size,
-             "after %.0f sweeps over %zu contacts the residual is %.2g (tolerance %g) and what is still to come %.2g of the impulses (accuracy "
+             "after %.0f sweeps over %zu contacts the residual is %.2g (tolerance %g), and %.2g of the impulses is still to come (accuracy "
              "%g). Either there is no solution, as for a body wedged between walls that close in, or sweeps converge slowly, as in tall "
-             "columns and for heavy bodies on light ones: try relaxation=\"1.5\" and more sweeps; unsolved=\"go-on\" runs it all the same",
+             "columns and for heavy bodies on light ones: try solver=\"apgd\" and more sweeps; unsolved=\"go-on\" runs it all the same",
              q->sweeps, s->n, q->residual, s->p->tolerance, left, s->p->accuracy);
     return 1;
 }
 
-static int solve(struct solver *s, char *why, size_t why_size)
+/* With friction sweeps may go round in circles, between sticking and sliding: there changes do not shrink from sweep to sweep. Shorter steps
+ * lead out. `rises`: of the last sweeps. */
+static void calm(struct nscd_solver *s, size_t *sweeps, size_t *rises)
+{
+    if (++*sweeps % WATCHED)
+        return;
+    if (*rises > WATCHED / 10)
+        s->relaxation *= CALMER;
+    *rises = 0;
+}
+
+/* Sweeps until they end as they should or there have been `most`; returns what is still to come. */
+static double sweep_on(struct nscd_solver *s, double most)
 {
     struct calx_problem *q = s->problem;
-    double before = 0, left = 0;
-    for (q->sweeps = 1; q->sweeps <= s->p->sweeps; q->sweeps++) {
+    double before = 0, left = UNKNOWN;
+    size_t sweeps = 0, rises = 0;
+    q->residual = INFINITY;
+    while (q->sweeps < most) {
         double change = sweep(s), scale = size(s);
-        left = still_to_come(change, before, scale) / (scale > 0 ? scale : 1);
+        rises += !(change < before);
+        calm(s, &sweeps, &rises);
+        left = still_to_come(s, change, before, scale);
         before = change;
-        if (change > s->p->tolerance * scale || left > s->p->accuracy)
+        if (change > fmax(s->rounding, s->p->tolerance * scale) || left > s->p->accuracy)
             continue;
-        q->residual = residual(s);
+        q->residual = nscd_residual(s);
         if (q->residual <= s->p->tolerance)
-            return 0;
+            return left;
     }
-    q->sweeps--;
-    q->residual = residual(s);
-    return s->p->unsolved > 0 ? 0 : unsolved(s, left, why, why_size);
+    q->residual = nscd_residual(s);
+    return left;
+}
+
+static int is_solved(const struct nscd_solver *s, double left)
+{
+    return s->problem->residual <= s->p->tolerance && left <= s->p->accuracy;
+}
+
+/* Descends, and lets a few sweeps say how much is still to come; more closely as long as that is too much. */
+static int solve(struct nscd_solver *s, char *why, size_t why_size)
+{
+    struct calx_problem *q = s->problem;
+    double left, tolerance = s->p->tolerance;
+    do {
+        if (s->p->solver > 0 && nscd_descend(s, tolerance)) {
+            snprintf(why, why_size, "not enough memory for %zu bodies", q->bodies);
+            return 1;
+        }
+        left = sweep_on(s, s->p->solver > 0 ? fmin(q->sweeps + SWEEPS, s->p->sweeps) : s->p->sweeps);
+        tolerance = fmax(0.1 * tolerance, ROUND_OFF);
+    } while (!is_solved(s, left) && q->sweeps < s->p->sweeps);
+    return is_solved(s, left) || s->p->unsolved > 0 ? 0 : unsolved(s, left, why, why_size);
 }
 
 int nscd_solve(const struct nscd *p, struct calx_problem *q, char *why, size_t why_size)
 {
-    struct solver s = {.p = p, .problem = q, .list = malloc((q->n + 1) * sizeof *s.list)};
+    struct nscd_solver s = {.p = p, .problem = q, .list = malloc((q->n + 1) * sizeof *s.list)};
     if (!s.list) {
         snprintf(why, why_size, "not enough memory for %zu contacts", q->n);
         return 1;

@@ -80,6 +80,7 @@ static const struct {
     {"broken-law", {"law must not be NULL"}},
     {"broken-force", {"force must not be NULL"}},
     {"broken-response", {"response must not be NULL"}},
+    {"broken-condition", {"condition must not be NULL"}},
     {"faulty-motion-resolves", {"resolves_contacts needs one stage", "velocity_lag of 0.5"}},
     {"broken-provides", {"provides must name parts"}},
     {"broken-history", {"history must name every vector and scalar"}},
