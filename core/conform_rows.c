@@ -150,6 +150,12 @@ static int impulses(void *engine)
     return 0;
 }
 
+static void parallel(void *engine, size_t n, void (*part)(void *context, size_t first, size_t last), void *context)
+{
+    (void)engine;
+    part(context, 0, n);
+}
+
 static void drive(struct calx_oscillators *s, const struct calx_choice *c)
 {
     char why[256];
@@ -163,7 +169,8 @@ static void drive(struct calx_oscillators *s, const struct calx_choice *c)
                                     .largest = largest,
                                     .forces = forces,
                                     .contacts = contacts,
-                                    .impulses = impulses};
+                                    .impulses = impulses,
+                                    .parallel = parallel};
     s->kept = s->time;
     s->failed |= c->motion.advance(c->params, &host, why, sizeof why) != 0;
     s->failed |= !(s->kept >= s->time + dt);

@@ -153,6 +153,20 @@ static int impulses(void *engine)
     return d->failed;
 }
 
+static void parallel(void *engine, size_t n, void (*part)(void *context, size_t first, size_t last), void *context)
+{
+    enum { PIECE = 256 }; /* contacts: what takes a thread longer than to be called */
+    const struct calx_sim *s = ((struct drive *)engine)->s;
+    size_t pieces = (n + PIECE - 1) / PIECE;
+    if (pieces < 2 || s->threads < 2) {
+        part(context, 0, n);
+        return;
+    }
+#pragma omp parallel for schedule(static) num_threads(s->threads)
+    for (size_t k = 0; k < pieces; k++)
+        part(context, k * PIECE, k + 1 < pieces ? (k + 1) * PIECE : n);
+}
+
 /* Positions are those of the end of the step now: walls, and what they carry, get there too. */
 static void end_impulses(struct calx_sim *s, const struct drive *d)
 {
@@ -173,7 +187,8 @@ int calx_motion_step_global(struct calx_sim *s, double t, struct calx_error *e)
                                     .largest = largest,
                                     .forces = forces,
                                     .contacts = contacts,
-                                    .impulses = impulses};
+                                    .impulses = impulses,
+                                    .parallel = parallel};
     char why[512] = "";
     s->speed = 0.0;
     int failed = p->motion_law->advance(p->motion_params, &host, why, sizeof why);

@@ -21,7 +21,7 @@
 #include <stdint.h>
 
 #define CALX_PLUGIN_MAGIC 0x786c6163u /* "calx" */
-#define CALX_PLUGIN_ABI 3u
+#define CALX_PLUGIN_ABI 4u
 #define CALX_PLUGIN_SYMBOL "calx_plugin"
 
 /* Columns of a batch hold a whole number of groups of CALX_WIDTH doubles and are aligned to 64 bytes. */
@@ -374,6 +374,9 @@ struct calx_motion_host {
      * Return 0, or 1 if the run must stop: return 1 then, `why` left empty. */
     int (*contacts)(void *engine, const struct calx_moments *, struct calx_problem **);
     int (*impulses)(void *engine);
+    /* Runs part(context, first, last) over ranges that make up 0 to n, on several threads at once where that is worth it: parts must not depend
+     * on each other, nor results on how they are cut. */
+    void (*parallel)(void *engine, size_t n, void (*part)(void *context, size_t first, size_t last), void *context);
 };
 
 enum { CALX_MEMORY = 8 };

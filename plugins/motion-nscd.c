@@ -71,11 +71,11 @@ static const struct calx_parameter parameters[] = {
     {.name = "order",
      .symbol = "order",
      .unit = "1",
-     .doc = "The order of contacts in a sweep.",
-     .max = 1,
+     .doc = "The order of contacts in a sweep: as they are found, from the bottom, or by colours, which several threads share.",
+     .max = 2,
      .flags = CALX_CHOICE,
      .offset = offsetof(struct nscd, order),
-     .choices = "listed|bottom-up"},
+     .choices = "listed|bottom-up|coloured"},
     {.name = "warm-start",
      .symbol = "warm",
      .unit = "1",
@@ -131,7 +131,7 @@ static int advance(const void *params, const struct calx_motion_host *host, char
     struct calx_moments at = {.positions = host->t + first, .forces = host->t + p->theta * h, .velocities = host->t + h};
     struct calx_problem *problem;
     host->each(host->engine, first, drift, NULL, NULL);
-    if (host->contacts(host->engine, &at, &problem) || nscd_solve(p, problem, why, why_size) || host->impulses(host->engine))
+    if (host->contacts(host->engine, &at, &problem) || nscd_solve(p, host, problem, why, why_size) || host->impulses(host->engine))
         return 1;
     host->each(host->engine, h, kick, kick, NULL);
     host->each(host->engine, p->theta * h, drift, NULL, NULL);

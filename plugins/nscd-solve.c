@@ -19,6 +19,7 @@ static const double ROUND_OFF = 1e-14;
 static const double UNKNOWN = 1e9; /* no accuracy excludes it but one below */
 enum { WATCHED = 200 }; /* sweeps */
 static const double CALMER = 0.7;
+enum { LISTED, BOTTOM_UP, COLOURED }; /* order */
 enum { SWEEPS = 3 }; /* after a descent, to see what is still to come */
 
 /* ---- one contact ---- */
@@ -132,7 +133,7 @@ static void set_up(struct nscd_solver *s)
         else
             s->list[--end] = c;
     }
-    if (s->p->order > 0)
+    if (s->p->order == BOTTOM_UP)
         qsort(s->list, s->n, sizeof *s->list, lower);
     s->rounding = ROUND_OFF * stopping(s);
     for (size_t k = 0; k < s->total; k++)
@@ -168,11 +169,34 @@ double nscd_residual(const struct nscd_solver *s)
     return sqrt(sum) > s->rounding ? sqrt(sum) / size(s) : 0;
 }
 
+struct stretch { /* of the list */
+    struct nscd_solver *s;
+    size_t first;
+};
+
+static void relax_some(void *context, size_t first, size_t last)
+{
+    const struct stretch *t = context;
+    struct nscd_solver *s = t->s;
+    for (size_t k = t->first + first; k < t->first + last; k++)
+        s->change2[k] = relax(&s->list[k], s->v, s->relaxation);
+}
+
+/* Returns the size of the change. */
 static double sweep(struct nscd_solver *s)
 {
     double sum = 0;
+    struct stretch t = {s, 0};
+    size_t alone = 0; /* from here on one after the other */
+    for (size_t k = 0; s->p->order == COLOURED && k < NSCD_COLOURS && s->first[k] < s->first[k + 1]; k++) {
+        t.first = s->first[k];
+        alone = s->first[k + 1];
+        s->host->parallel(s->host->engine, alone - t.first, relax_some, &t);
+    }
+    t.first = alone;
+    relax_some(&t, 0, s->n - alone);
     for (size_t k = 0; k < s->n; k++)
-        sum += relax(&s->list[k], s->v, s->relaxation);
+        sum += s->change2[k];
     s->problem->sweeps++;
     return sqrt(sum);
 }
@@ -251,16 +275,23 @@ static int solve(struct nscd_solver *s, char *why, size_t why_size)
     return is_solved(s, left) || s->p->unsolved > 0 ? 0 : unsolved(s, left, why, why_size);
 }
 
-int nscd_solve(const struct nscd *p, struct calx_problem *q, char *why, size_t why_size)
+int nscd_solve(const struct nscd *p, const struct calx_motion_host *host, struct calx_problem *q, char *why, size_t why_size)
 {
-    struct nscd_solver s = {.p = p, .problem = q, .list = malloc((q->n + 1) * sizeof *s.list)};
-    if (!s.list) {
-        snprintf(why, why_size, "not enough memory for %zu contacts", q->n);
-        return 1;
+    struct nscd_solver s = {.p = p, .host = host, .problem = q, .relaxation = p->relaxation};
+    s.list = malloc((q->n + 1) * sizeof *s.list);
+    s.change2 = malloc((q->n + 1) * sizeof *s.change2);
+    int failed = !s.list || !s.change2;
+    if (!failed) {
+        set_up(&s);
+        failed = p->order == COLOURED && nscd_colour(&s);
     }
-    set_up(&s);
-    int failed = s.n ? solve(&s, why, why_size) : 0;
-    hand_back(&s);
+    if (failed)
+        snprintf(why, why_size, "not enough memory for %zu contacts", q->n);
+    else if (s.n)
+        failed = solve(&s, why, why_size);
+    if (s.list)
+        hand_back(&s);
     free(s.list);
+    free(s.change2);
     return failed;
 }

@@ -26,18 +26,26 @@ struct nscd_contact {
     size_t index;        /* in the problem */
 };
 
+enum { NSCD_COLOURS = 64 };
+
 struct nscd_solver {
     const struct nscd *p;
+    const struct calx_motion_host *host;
     struct calx_problem *problem;
     double *v;       /* velocities, rows of eight: those of the impulses in the list */
     size_t n, total; /* contacts whose impulse is asked for, and behind them those that only pull */
     struct nscd_contact *list;
     double relaxation; /* now */
     double rounding; /* N s: smaller impulses say nothing */
+    size_t first[NSCD_COLOURS + 2]; /* where the contacts of each colour begin, and those without, which come last */
+    double *change2; /* N2 s2: square of the change of each contact in a sweep */
 };
 
 /* nscd-solve.c: fills the impulses and velocities of the problem. Returns 0, or 1 with text: no memory, or no solution within the limits. */
-int nscd_solve(const struct nscd *, struct calx_problem *, char *why, size_t why_size);
+int nscd_solve(const struct nscd *, const struct calx_motion_host *, struct calx_problem *, char *why, size_t why_size);
+
+/* nscd-colour.c: sorts the contacts by colours. Returns 0, or 1 without memory. */
+int nscd_colour(struct nscd_solver *);
 
 /* What the impulses in the list leave of the conditions: of the natural map, relative to the impulses. */
 double nscd_residual(const struct nscd_solver *);

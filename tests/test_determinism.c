@@ -95,7 +95,7 @@ static void set_rigid(struct calx_scene *s)
     }
     scene_model(s, CALX_CONTACT, "signorini-coulomb", (struct given[]){{"friction", 0.4}, {"restitution", 0.3}, {NULL, 0.0}});
     scene_model1(s, CALX_CONTACT, "cohesion-thermal", "distance", 2e-5);
-    scene_model(s, CALX_MOTION, "nscd", (struct given[]){{"tolerance", 1e-2}, {"accuracy", 1e9}, {NULL, 0.0}});
+    scene_model(s, CALX_MOTION, "nscd", (struct given[]){{"tolerance", 1e-2}, {"accuracy", 1e9}, {"order", 2.0}, {NULL, 0.0}});
     s->models[0].dt = 5e-6;
     scene_model(s, CALX_CONDUCTANCE, "hertz", NULL);
 }

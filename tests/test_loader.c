@@ -72,7 +72,7 @@ static const struct {
     {"broken-undefined", {"cannot load the plugin", "calx_test_missing_function"}},
     {"broken-symbol", {"is not a calx plugin", "no symbol calx_plugin"}},
     {"broken-magic", {"is not a calx plugin", "0x12345678"}},
-    {"broken-abi", {"ABI 7", "ABI 3", "build it anew"}},
+    {"broken-abi", {"ABI 7", "ABI 4", "build it anew"}},
     {"broken-size", {"40 bytes", "build it anew"}},
     {"broken-kind", {"its kind is unknown"}},
     {"broken-name", {"name must be lower-case"}},
