@@ -4,7 +4,8 @@
  * own condition asks for, and y runs ahead of the result as Nesterov's series says, until that leads uphill. L, the largest stretch of W
  * against its diagonal, is found by trial. The square root of the condition number takes the place that the condition number has for sweeps.
  * Reference: Mazhar, Heyn, Negrut and Tasora, ACM Trans. Graphics 34 (2015) 47; restarts: O'Donoghue and Candes, Found. Comput. Math. 15
- * (2015) 715. Friction is projected on the disc of Coulomb, so that a point that stays is a solution without dilatation of the contact.
+ * (2015) 715. Friction is projected on the disc of Coulomb, so that a point that stays is a solution without dilatation of the contact; but
+ * then nothing says that there is a descent, and where it turns in circles it gives up and leaves the rest to sweeps.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -12,7 +13,7 @@
 
 #include "plugins/nscd.h"
 
-enum { LOOK_EVERY = 5 }; /* iterations */
+enum { LOOK_EVERY = 5, PATIENCE = 200 }; /* iterations; without a smaller residual */
 static const double SHRINK = 0.95, GROW = 1.5;
 
 struct point {
@@ -113,10 +114,11 @@ static void begin(struct descent *d)
     copy(d, &d->now, &d->y);
 }
 
-static void descend(struct descent *d, double tolerance)
+static void descend(struct descent *d)
 {
     struct calx_problem *q = d->s->problem;
-    for (int k = 1; q->sweeps < d->s->p->sweeps; k++) {
+    double least = INFINITY;
+    for (int k = 1, last = 0; q->sweeps < d->s->p->sweeps && k - last < PATIENCE; k++) {
         for (q->sweeps++; step(d) > 0 && d->stretch < 1e6; q->sweeps++)
             d->stretch *= GROW;
         run_ahead(d);
@@ -124,14 +126,15 @@ static void descend(struct descent *d, double tolerance)
         if (k % LOOK_EVERY)
             continue;
         deliver(d);
-        q->residual = nscd_residual(d->s);
-        if (q->residual <= tolerance)
+        if (nscd_is_solved(d->s))
             return;
+        last = d->s->left < least ? k : last;
+        least = fmin(least, d->s->left);
     }
     deliver(d);
 }
 
-int nscd_descend(struct nscd_solver *s, double tolerance)
+int nscd_descend(struct nscd_solver *s)
 {
     size_t numbers = 4 * s->n + 8 * s->problem->bodies;
     double *memory = malloc(4 * (numbers + 1) * sizeof *memory);
@@ -142,7 +145,7 @@ int nscd_descend(struct nscd_solver *s, double tolerance)
     point_at(&d.now, memory + numbers, s->n);
     point_at(&d.next, memory + 2 * numbers, s->n);
     begin(&d);
-    descend(&d, tolerance);
+    descend(&d);
     free(memory);
     return 0;
 }

@@ -4,9 +4,10 @@
  * (Jean 1999) give contact after contact the impulse that its own condition asks for, all others being as they are, and its bodies the
  * velocity that follows; because a contact's own block of W is diagonal that impulse is exact. Or the accelerated descent of nscd-apgd.c.
  *
- * They end when the natural map of De Saxce leaves a small residual (Acary and Brogliato, Numerical Methods for Nonsmooth Dynamical
- * Systems (2008), ch. 13), and when the changes of sweeps, taken for a geometric series, sum up to little: a heavy body on a light one has
- * a residual of 1e-4 while nearly all of the impulse is missing.
+ * The measure of what is left is the natural map of De Saxce (Acary and Brogliato, Numerical Methods for Nonsmooth Dynamical Systems (2008),
+ * ch. 13). It must be small against the impulses, and against those that would stop the bodies as they approach freely: under a heavy body
+ * on a light one impulses build up so slowly that the first alone would be content while nearly all of them is missing; but where
+ * grains are wedged they may creep for ever along stresses that move nobody, and that is no reason to go on.
  */
 #include <math.h>
 #include <stdio.h>
@@ -14,13 +15,12 @@
 
 #include "plugins/nscd.h"
 
-/* Of the impulses, and of those that would stop the bodies: smaller ones say nothing. */
-static const double ROUND_OFF = 1e-14;
-static const double UNKNOWN = 1e9; /* no accuracy excludes it but one below */
-enum { WATCHED = 200 }; /* sweeps */
-static const double CALMER = 0.7;
-enum { LISTED, BOTTOM_UP, COLOURED }; /* order */
-enum { SWEEPS = 3 }; /* after a descent, to see what is still to come */
+static const double ROUND_OFF = 1e-14; /* of the impulses that would stop the bodies */
+static const double NEAR = 4;          /* a change of so many times the goal is a reason to look */
+static const double RISE = 1e-6, CALMER = 0.7, CALMEST = 0.1;
+enum { WATCHED = 500 };                /* sweeps */
+enum { NSGS, APGD };                   /* solver */
+enum { LISTED, BOTTOM_UP, COLOURED };  /* order */
 
 /* ---- one contact ---- */
 
@@ -135,7 +135,7 @@ static void set_up(struct nscd_solver *s)
     }
     if (s->p->order == BOTTOM_UP)
         qsort(s->list, s->n, sizeof *s->list, lower);
-    s->rounding = ROUND_OFF * stopping(s);
+    s->stopping = stopping(s);
     for (size_t k = 0; k < s->total; k++)
         nscd_push(&s->list[k], s->v, s->list[k].r[0] - s->list[k].pull, s->list[k].r + 1);
 }
@@ -161,12 +161,19 @@ static double size(const struct nscd_solver *s)
     return sqrt(sum);
 }
 
-double nscd_residual(const struct nscd_solver *s)
+static double goal(const struct nscd_solver *s)
+{
+    return fmax(ROUND_OFF * s->stopping, fmin(s->p->tolerance * size(s), s->p->accuracy * s->stopping));
+}
+
+int nscd_is_solved(struct nscd_solver *s)
 {
     double sum = 0;
     for (size_t k = 0; k < s->n; k++)
         sum += unmet(&s->list[k], s->v);
-    return sqrt(sum) > s->rounding ? sqrt(sum) / size(s) : 0;
+    s->left = sqrt(sum);
+    s->problem->residual = s->left > ROUND_OFF * s->stopping ? s->left / size(s) : 0;
+    return s->left <= goal(s);
 }
 
 struct stretch { /* of the list */
@@ -201,78 +208,48 @@ static double sweep(struct nscd_solver *s)
     return sqrt(sum);
 }
 
-/* What is still to come if changes go on to shrink as the last did, relative to the impulses. */
-static double still_to_come(const struct nscd_solver *s, double change, double before, double scale)
-{
-    if (change <= fmax(s->rounding, ROUND_OFF * scale))
-        return 0;
-    return change < before ? fmin(change * change / (before - change) / scale, UNKNOWN) : UNKNOWN;
-}
-
-static int unsolved(const struct nscd_solver *s, double left, char *why, size_t why_size)
+static int unsolved(const struct nscd_solver *s, char *why, size_t why_size)
 {
     const struct calx_problem *q = s->problem;
     snprintf(why, why_size,
-             "after %.0f sweeps over %zu contacts the residual is %.2g (tolerance %g), and %.2g of the impulses is still to come (accuracy "
-             "%g). Either there is no solution, as for a body wedged between walls that close in, or sweeps converge slowly, as in tall "
-             "columns and for heavy bodies on light ones: try solver=\"apgd\" and more sweeps; unsolved=\"go-on\" runs it all the same",
-             q->sweeps, s->n, q->residual, s->p->tolerance, left, s->p->accuracy);
+             "after %.0f sweeps over %zu contacts the residual is %.2g of the impulses (tolerance %g) and %.2g of those that would stop the "
+             "bodies (accuracy %g). Either there is no solution, as for a body wedged between walls that close in, or sweeps converge slowly, as "
+             "in tall columns and for heavy bodies on light ones: try solver=\"apgd\" and more sweeps; unsolved=\"go-on\" runs it all the same",
+             q->sweeps, s->n, q->residual, s->p->tolerance, s->left / s->stopping, s->p->accuracy);
     return 1;
 }
 
-/* With friction sweeps may go round in circles, between sticking and sliding: there changes do not shrink from sweep to sweep. Shorter steps
- * lead out. `rises`: of the last sweeps. */
-static void calm(struct nscd_solver *s, size_t *sweeps, size_t *rises)
+/* Sweeps until that suffices; returns whether it did. With friction sweeps may go round in circles, sticking and sliding in turn: there
+ * changes rise again and again, and shorter steps lead out. */
+static int sweep_on(struct nscd_solver *s)
 {
-    if (++*sweeps % WATCHED)
-        return;
-    if (*rises > WATCHED / 10)
-        s->relaxation *= CALMER;
-    *rises = 0;
-}
-
-/* Sweeps until they end as they should or there have been `most`; returns what is still to come. */
-static double sweep_on(struct nscd_solver *s, double most)
-{
-    struct calx_problem *q = s->problem;
-    double before = 0, left = UNKNOWN;
-    size_t sweeps = 0, rises = 0;
-    q->residual = INFINITY;
-    while (q->sweeps < most) {
-        double change = sweep(s), scale = size(s);
-        rises += !(change < before);
-        calm(s, &sweeps, &rises);
-        left = still_to_come(s, change, before, scale);
+    double before = INFINITY;
+    size_t rises = 0, sweeps = 0;
+    while (s->problem->sweeps < s->p->sweeps) {
+        double change = sweep(s);
+        if (change <= NEAR * goal(s) && nscd_is_solved(s))
+            return 1;
+        rises += change > before * (1 + RISE);
         before = change;
-        if (change > fmax(s->rounding, s->p->tolerance * scale) || left > s->p->accuracy)
+        if (++sweeps % WATCHED)
             continue;
-        q->residual = nscd_residual(s);
-        if (q->residual <= s->p->tolerance)
-            return left;
+        if (20 * rises > WATCHED)
+            s->relaxation = fmax(CALMER * s->relaxation, CALMEST);
+        rises = 0;
     }
-    q->residual = nscd_residual(s);
-    return left;
+    return nscd_is_solved(s);
 }
 
-static int is_solved(const struct nscd_solver *s, double left)
-{
-    return s->problem->residual <= s->p->tolerance && left <= s->p->accuracy;
-}
-
-/* Descends, and lets a few sweeps say how much is still to come; more closely as long as that is too much. */
+/* Descends; where descent gives up, sweeps go on. */
 static int solve(struct nscd_solver *s, char *why, size_t why_size)
 {
-    struct calx_problem *q = s->problem;
-    double left, tolerance = s->p->tolerance;
-    do {
-        if (s->p->solver > 0 && nscd_descend(s, tolerance)) {
-            snprintf(why, why_size, "not enough memory for %zu bodies", q->bodies);
-            return 1;
-        }
-        left = sweep_on(s, s->p->solver > 0 ? fmin(q->sweeps + SWEEPS, s->p->sweeps) : s->p->sweeps);
-        tolerance = fmax(0.1 * tolerance, ROUND_OFF);
-    } while (!is_solved(s, left) && q->sweeps < s->p->sweeps);
-    return is_solved(s, left) || s->p->unsolved > 0 ? 0 : unsolved(s, left, why, why_size);
+    if (s->p->solver == APGD && nscd_descend(s)) {
+        snprintf(why, why_size, "not enough memory for %zu bodies", s->problem->bodies);
+        return 1;
+    }
+    if ((s->p->solver == APGD && nscd_is_solved(s)) || sweep_on(s) || s->p->unsolved > 0)
+        return 0;
+    return unsolved(s, why, why_size);
 }
 
 int nscd_solve(const struct nscd *p, const struct calx_motion_host *host, struct calx_problem *q, char *why, size_t why_size)

@@ -35,8 +35,9 @@ struct nscd_solver {
     double *v;       /* velocities, rows of eight: those of the impulses in the list */
     size_t n, total; /* contacts whose impulse is asked for, and behind them those that only pull */
     struct nscd_contact *list;
-    double relaxation; /* now */
-    double rounding; /* N s: smaller impulses say nothing */
+    double relaxation;
+    double stopping; /* N s: size of the impulses that would stop the contacts as they approach freely, each alone */
+    double left;     /* N s: what is left of the conditions, as of the last look */
     size_t first[NSCD_COLOURS + 2]; /* where the contacts of each colour begin, and those without, which come last */
     double *change2; /* N2 s2: square of the change of each contact in a sweep */
 };
@@ -47,11 +48,12 @@ int nscd_solve(const struct nscd *, const struct calx_motion_host *, struct calx
 /* nscd-colour.c: sorts the contacts by colours. Returns 0, or 1 without memory. */
 int nscd_colour(struct nscd_solver *);
 
-/* What the impulses in the list leave of the conditions: of the natural map, relative to the impulses. */
-double nscd_residual(const struct nscd_solver *);
+/* Looks at what the impulses in the list leave of the conditions; returns whether that is little enough. */
+int nscd_is_solved(struct nscd_solver *);
 
-/* nscd-apgd.c: iterates until the residual is at most so much or problem->sweeps is at the limit. Returns 0, or 1 without memory. */
-int nscd_descend(struct nscd_solver *, double tolerance);
+/* nscd-apgd.c: iterates until the problem is solved, or that gets no nearer, or problem->sweeps is at the limit. Returns 0, or 1 without
+ * memory. */
+int nscd_descend(struct nscd_solver *);
 
 static inline double nscd_square(const double v[3])
 {
