@@ -15,7 +15,7 @@
 
 #include "plugins/nscd.h"
 
-static const double ROUND_OFF = 1e-14; /* of the impulses that would stop the bodies */
+static const double ROUND_OFF = 1e-13; /* of velocities, as impulses, and of the impulses at the start */
 static const double NEAR = 4;          /* a change of so many times the goal is a reason to look */
 static const double RISE = 1e-6, CALMER = 0.7, CALMEST = 0.1;
 enum { WATCHED = 500 };                /* sweeps */
@@ -108,8 +108,28 @@ static int lower(const void *a, const void *b)
     return c->height < d->height ? -1 : c->height > d->height ? 1 : c->index < d->index ? -1 : c->index > d->index;
 }
 
-/* Impulses that would bring all contacts to rest, and to touch. */
+static double size(const struct nscd_solver *s)
+{
+    double sum = 0;
+    for (size_t k = 0; k < s->n; k++)
+        sum += s->list[k].r[0] * s->list[k].r[0] + nscd_square(s->list[k].r + 1);
+    return sqrt(sum);
+}
+
+/* Size of the impulses that would stop the contacts as they approach freely. */
 static double stopping(const struct nscd_solver *s)
+{
+    double sum = 0;
+    for (size_t k = 0; k < s->n; k++) {
+        const struct nscd_contact *c = &s->list[k];
+        double ut[3], un = nscd_relative(c, s->v, c->wall, ut), closes = -(un + c->bias);
+        sum += closes > 0 ? c->inverse[0] * c->inverse[0] * (closes * closes + nscd_square(ut)) : 0;
+    }
+    return sqrt(sum);
+}
+
+/* Of the numbers that conditions are made of, as impulses. */
+static double speeds(const struct nscd_solver *s)
 {
     double sum = 0;
     for (size_t k = 0; k < s->n; k++) {
@@ -136,6 +156,7 @@ static void set_up(struct nscd_solver *s)
     if (s->p->order == BOTTOM_UP)
         qsort(s->list, s->n, sizeof *s->list, lower);
     s->stopping = stopping(s);
+    s->scale = speeds(s) + size(s);
     for (size_t k = 0; k < s->total; k++)
         nscd_push(&s->list[k], s->v, s->list[k].r[0] - s->list[k].pull, s->list[k].r + 1);
 }
@@ -153,17 +174,10 @@ static void hand_back(const struct nscd_solver *s)
 
 /* ---- the solution ---- */
 
-static double size(const struct nscd_solver *s)
-{
-    double sum = 0;
-    for (size_t k = 0; k < s->n; k++)
-        sum += s->list[k].r[0] * s->list[k].r[0] + nscd_square(s->list[k].r + 1);
-    return sqrt(sum);
-}
-
+/* What may be left. */
 static double goal(const struct nscd_solver *s)
 {
-    return fmax(ROUND_OFF * s->stopping, fmin(s->p->tolerance * size(s), s->p->accuracy * s->stopping));
+    return fmax(ROUND_OFF * s->scale, fmin(s->p->tolerance * size(s), s->p->accuracy * s->stopping));
 }
 
 int nscd_is_solved(struct nscd_solver *s)
@@ -172,7 +186,7 @@ int nscd_is_solved(struct nscd_solver *s)
     for (size_t k = 0; k < s->n; k++)
         sum += unmet(&s->list[k], s->v);
     s->left = sqrt(sum);
-    s->problem->residual = s->left > ROUND_OFF * s->stopping ? s->left / size(s) : 0;
+    s->problem->residual = s->left > ROUND_OFF * s->scale ? s->left / size(s) : 0;
     return s->left <= goal(s);
 }
 
@@ -215,7 +229,7 @@ static int unsolved(const struct nscd_solver *s, char *why, size_t why_size)
              "after %.0f sweeps over %zu contacts the residual is %.2g of the impulses (tolerance %g) and %.2g of those that would stop the "
              "bodies (accuracy %g). Either there is no solution, as for a body wedged between walls that close in, or sweeps converge slowly, as "
              "in tall columns and for heavy bodies on light ones: try solver=\"apgd\" and more sweeps; unsolved=\"go-on\" runs it all the same",
-             q->sweeps, s->n, q->residual, s->p->tolerance, s->left / s->stopping, s->p->accuracy);
+             q->sweeps, s->n, q->residual, s->p->tolerance, s->stopping > 0 ? s->left / s->stopping : INFINITY, s->p->accuracy);
     return 1;
 }
 

@@ -36,6 +36,7 @@ struct nscd_solver {
     size_t n, total; /* contacts whose impulse is asked for, and behind them those that only pull */
     struct nscd_contact *list;
     double relaxation;
+    double scale;    /* N s: rounding is relative to this */
     double stopping; /* N s: size of the impulses that would stop the contacts as they approach freely, each alone */
     double left;     /* N s: what is left of the conditions, as of the last look */
     size_t first[NSCD_COLOURS + 2]; /* where the contacts of each colour begin, and those without, which come last */

@@ -137,6 +137,25 @@ START_TEST(a_warm_start_saves_sweeps)
 }
 END_TEST
 
+/* Impulses go when what they were for does: gravity ends with the first stage, and nobody moves. */
+START_TEST(impulses_end_with_their_cause)
+{
+    for (int descent = 0; descent < 2; descent++) {
+        struct calx_scene *s = column(10, DENSITY, 1e-3, (struct given[]){{"solver", descent}, {NULL, 0.0}});
+        s->stages[0].duration = 0.01;
+        size_t second = scene_stage(s);
+        s->stages[second].duration = INFINITY;
+        s->stages[second].gravity[2].value = 0.0;
+        struct run r = run_start(s, 1);
+        run_steps(&r, 20);
+        ck_assert_double_lt(fabs(r.sim->wall_force[0][2]), 1e-9 * weight_of(&r, 10) + G * run_mass(&r, 0) * 1e-2);
+        for (int64_t i = 0; i < 10; i++)
+            ck_assert_double_lt(fabs(run_v(&r, i)[2]), 1e-2 * G * 1e-3);
+        run_free(&r);
+    }
+}
+END_TEST
+
 /* Over-relaxation at the best value for a chain, 2/(1 + sin(pi/(2N))), takes a column in less than 5 N sweeps. */
 START_TEST(over_relaxation_takes_columns_quickly)
 {
@@ -437,7 +456,8 @@ START_TEST(solvers_agree_on_a_pile)
     double height[WAYS];
     for (size_t way = 0; way < WAYS; way++) {
         struct calx_scene *s = pile(0.4, 0.0, G,
-                                    (struct given[]){{"solver", ways[way].solver}, {"order", ways[way].order}, {NULL, 0.0}});
+                                    (struct given[]){{"solver", ways[way].solver}, {"order", ways[way].order}, {"tolerance", 1e-3},
+                                                     {"accuracy", 1e-2}, {NULL, 0.0}});
         add_box(s, 12.0 * RADIUS);
         add_floor(s);
         struct run r = run_start(s, 1);
@@ -448,7 +468,7 @@ START_TEST(solvers_agree_on_a_pile)
         height[way] = sum;
         double *f = r.sim->wall_force[1], g[3] = {r.sim->wall_force[0][0], r.sim->wall_force[0][1], r.sim->wall_force[0][2]};
         ck_assert_double_lt(fabs(f[2] + g[2] + weight_of(&r, 125)), 1e-2 * weight_of(&r, 125)); /* it creeps to rest */
-        ck_assert_double_le(r.sim->residual, 1e-4);
+        ck_assert_double_le(r.sim->residual, 1e-3);
         run_free(&r);
         ck_assert_double_lt(fabs(height[way] / height[0] - 1.0), 0.02);
     }
@@ -633,6 +653,7 @@ END_TEST
 int main(void)
 {
     const TTest *tests[] = {sweeps_are_those_of_the_theory, a_column_rests, a_warm_start_saves_sweeps,
+                            impulses_end_with_their_cause,
                             over_relaxation_takes_columns_quickly, heavy_on_light_is_right_or_refused, descent_takes_columns_quickly,
                             a_ball_bounces_through_its_accumulation_point, an_impact_heats_both_bodies,
                             a_block_slides_above_the_critical_angle, spheres_and_discs_roll, sliding_ends, a_disc_lies_in_a_groove,
