@@ -43,6 +43,8 @@ double calx_sim_dt(const struct calx_sim *);
 /* The step over the longest stable one, of the contacts there are and of those to be expected; 0 if nothing limits it. *id (may be NULL):
  * the particle that sets it, -1 if it is the stiffest contact to be expected. NaN without memory. */
 double calx_sim_step_share(struct calx_sim *, int64_t *id);
+/* Sweeps that the solution of rigid contacts took in the last step, and the residual that it left; 0 and 0 without any. */
+double calx_sim_solver(const struct calx_sim *, double *residual);
 int calx_sim_stage(const struct calx_sim *);    /* index of the current stage */
 bool calx_sim_stage_began(const struct calx_sim *); /* the step just made ended a stage */
 
@@ -87,7 +89,7 @@ struct calx_frame {
     int64_t (*pair)[2];            /* ids; a wall w is -1 - w */
     double (*pair_position)[2][3]; /* centre of i; centre of j or the point of the wall, of the same periodic image */
     double *normal_force, *tangential_force, *heat_flow, *overlap; /* N, N, W (into i), m */
-    int32_t *status; /* 0 stick, 1 slip (friction fully mobilised) */
+    int32_t *status; /* 0 stick, 1 slip (friction fully mobilised), 2 cohesive: pulls (of non-smooth laws) */
     /* walls: primitives at their present pose; arcs of circles, cylinders and spheres as flat pieces */
     size_t wall_points, wall_cells;
     double (*wall_position)[3];

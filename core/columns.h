@@ -39,6 +39,10 @@ struct calx_columns {
     struct calx_contacts views[CALX_LAWS_MAX + 1];
     double *law_history[CALX_LAWS_MAX][CALX_HISTORY_MAX];
     uint8_t was[CALX_BATCH / 8], is[CALX_BATCH / 8]; /* touching, before and now: a bit per lane */
+    /* of non-smooth laws: friction, restitution, pull, reach; where their impulses come from, NULL: from history, and which is next */
+    calx_column condition[4];
+    const struct calx_solution *solution;
+    size_t answer;
     calx_column damping; /* of normal laws, N s/m, then their work, J: see onset.c; */
     double centre;       /* s: the step, 0 if there is none */
     const struct calx_changes *begun; /* what has begun in it */

@@ -3,7 +3,7 @@
  * The conformance suite: the report, and the choices of parameters that a plugin is tried with,
  * taken from its own table. Input: a plugin that the loader accepted. Output: the worst figure of
  * each check over all choices. The checks themselves are in conform_contact.c, conform_cycle.c,
- * conform_heat.c, conform_motion.c and conform_stability.c.
+ * conform_condition.c, conform_heat.c, conform_motion.c and conform_stability.c.
  */
 #include "core/conform.h"
 
@@ -149,6 +149,21 @@ static void choice_release(struct calx_choice *c)
     memcpy(&release, (const char *)c->plugin->law + kinds[c->plugin->kind].release, sizeof release);
     if (release)
         release(c->params);
+}
+
+int calx_choice_exchange(struct calx_choice *c)
+{
+    char why[240];
+    choice_release(c);
+    for (size_t i = 0; i < c->plugin->parameter_count; i++) {
+        const struct calx_parameter *row = &c->plugin->parameters[i];
+        double *field = (double *)((char *)c->params + row->offset), keep = field[0];
+        if (row->scope != CALX_MATERIAL)
+            continue;
+        field[0] = field[1];
+        field[1] = keep;
+    }
+    return kinds[c->plugin->kind].prepare(c, why, sizeof why);
 }
 
 static void choice_put(struct calx_choice *c, const struct calx_parameter *row, double value)

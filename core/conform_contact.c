@@ -286,8 +286,10 @@ static void check_tangential_derivatives(const struct calx_choice *c,
 void calx_conform_contact(struct calx_choice *c, struct calx_conformance *report)
 {
     const struct calx_contact_law *law = c->plugin->law;
-    if (law->nonsmooth)
+    if (law->nonsmooth) {
+        calx_conform_condition(c, report);
         return;
+    }
     calx_trial_check_batches(c, report);
     calx_trial_check_finite(c, report);
     check_apart(c, report, -c->demand.gap - 1e-6);

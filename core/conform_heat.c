@@ -23,48 +23,23 @@ static const double LIMIT_SLACK = 0.02;
 
 /* ---- conductances ---- */
 
-static void swap(double *a, double *b)
-{
-    double keep = *a;
-    *a = *b;
-    *b = keep;
-}
-
-/* The other way round: materials, curvatures and temperatures exchanged, the normal turned. Calls
- * prepare anew. */
+/* The other way round: materials, curvatures and temperatures exchanged, the normal turned. */
 static double asymmetry(struct calx_choice *c)
 {
-    const struct calx_plugin *p = c->plugin;
-    const struct calx_conductance_law *law = p->law;
     struct calx_trial a, b;
-    char why[256];
     double worst = 0;
     calx_trial_fill(&a, c, CALX_BATCH, SEED);
     b = a;
+    calx_trial_exchange(&b);
     calx_trial_evaluate(&a, c);
-    for (size_t i = 0; i < b.n; i++) {
-        swap(&b.column[CALX_COL_CURVATURE][i], &b.column[CALX_COL_CURVATURE + 1][i]);
-        swap(&b.column[CALX_COL_TEMPERATURE][i], &b.column[CALX_COL_TEMPERATURE + 1][i]);
-        for (int k = 0; k < 3; k++)
-            b.column[CALX_COL_NORMAL + k][i] *= -1;
-    }
-    for (int back = 0; back < 2; back++) {
-        for (size_t i = 0; i < p->parameter_count; i++) {
-            double *field = (double *)((char *)c->params + p->parameters[i].offset);
-            if (p->parameters[i].scope == CALX_MATERIAL)
-                swap(&field[0], &field[1]);
-        }
-        struct calx_demand demand = law->demand;
-        if (law->prepare && law->prepare(&c->setup, c->params, &demand, why, sizeof why))
-            return INFINITY;
-        if (!back)
-            calx_trial_evaluate(&b, c);
-    }
+    if (calx_choice_exchange(c))
+        return INFINITY;
+    calx_trial_evaluate(&b, c);
     for (size_t i = 0; i < a.n; i++) {
         double h = a.column[CALX_COL_CONDUCTANCE][i];
         worst = fmax(worst, fabs(b.column[CALX_COL_CONDUCTANCE][i] - h) / (h + 1e-300));
     }
-    return worst;
+    return calx_choice_exchange(c) ? INFINITY : worst;
 }
 
 void calx_conform_conductance(struct calx_choice *c, struct calx_conformance *report)

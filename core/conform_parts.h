@@ -44,6 +44,9 @@ size_t calx_choice_each(const struct calx_plugin *, const struct calx_setup *,
 size_t calx_choice_each_bound(const struct calx_plugin *, const struct calx_setup *,
                               struct calx_conformance *, calx_choice_visit *);
 
+/* Exchanges the materials of bodies i and j and prepares anew; returns what prepare returns. */
+int calx_choice_exchange(struct calx_choice *);
+
 /* Spheres in 3D, discs in 2D: what a law is tried with. It must accept one of them. */
 extern const struct calx_setup calx_conform_setups[2];
 
@@ -86,7 +89,11 @@ void calx_trial_fill(struct calx_trial *, const struct calx_choice *, size_t n, 
 /* Sets outputs to zero (fn to the normal force of the laws before, if the law asked for it). */
 void calx_trial_clear(struct calx_trial *, const struct calx_choice *);
 
-/* Calls the plugin: force of a contact law, or conductance. */
+/* Exchanges bodies i and j of all contacts: curvatures and temperatures, the normal turned. */
+void calx_trial_exchange(struct calx_trial *);
+
+/* Calls the plugin: force of a contact law, condition of a non-smooth one into the columns of energy,
+ * stiffness and damping, or conductance. */
 void calx_trial_evaluate(struct calx_trial *, const struct calx_choice *);
 
 /* Calls the response of a contact law into energy, stiffness and damping, from zero. */
@@ -112,6 +119,9 @@ calx_choice_visit calx_conform_contact, calx_conform_conductance, calx_conform_m
 
 /* Stability and long-time energy of integrators of motion (conform_stability.c). */
 calx_choice_visit calx_conform_stability;
+
+/* Non-smooth contact laws (conform_condition.c). */
+calx_choice_visit calx_conform_condition;
 
 /* Energy over closed paths (conform_cycle.c). */
 calx_choice_visit calx_conform_cycles;

@@ -139,6 +139,30 @@ static double change(void *engine, double time)
     return INFINITY;
 }
 
+/* Nobody touches anybody: what is asked for in the place of impulses is the pull of the oscillators. */
+static int contacts(void *engine, const struct calx_moments *at, struct calx_problem **problem)
+{
+    struct calx_oscillators *s = engine;
+    s->moments = *at;
+    s->problem = (struct calx_problem){.size = sizeof s->problem, .dt = s->r.dt[0]};
+    *problem = &s->problem;
+    return 0;
+}
+
+static int impulses(void *engine)
+{
+    struct calx_oscillators *s = engine;
+    calx_oscillators_accelerate(s, s->moments.forces);
+    s->kept = s->moments.velocities;
+    return 0;
+}
+
+static void parallel(void *engine, size_t n, void (*part)(void *context, size_t first, size_t last), void *context)
+{
+    (void)engine;
+    part(context, 0, n);
+}
+
 static void drive(struct calx_oscillators *s, const struct calx_choice *c)
 {
     char why[256];
@@ -151,7 +175,10 @@ static void drive(struct calx_oscillators *s, const struct calx_choice *c)
                                     .each = each,
                                     .largest = largest,
                                     .forces = forces,
-                                    .change = change};
+                                    .change = change,
+                                    .contacts = contacts,
+                                    .impulses = impulses,
+                                    .parallel = parallel};
     s->kept = s->time;
     s->failed |= c->motion.advance(c->params, &host, why, sizeof why) != 0;
     s->failed |= !(s->kept >= s->time + dt);

@@ -27,6 +27,8 @@ struct calx_oscillators {
     size_t disturb; /* the number of the evaluation that is to be wrong; 0: none */
     bool pieces;    /* a global integrator's kernels run over one body at a time */
     double kept;    /* s, time of the last evaluation that was kept */
+    struct calx_moments moments; /* of the impulses that are asked for */
+    struct calx_problem problem; /* without any contact */
     bool failed;
 };
 

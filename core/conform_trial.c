@@ -31,8 +31,16 @@ static size_t history_columns(const struct calx_choice *c)
     return 3 * c->demand.history_vectors + c->demand.history_scalars;
 }
 
+static bool is_nonsmooth(const struct calx_choice *c)
+{
+    return c->plugin->kind == CALX_CONTACT && ((const struct calx_contact_law *)c->plugin->law)->nonsmooth;
+}
+
 bool calx_trial_declared(const struct calx_choice *c, size_t column)
 {
+    bool moving = column >= CALX_COL_VN && column < CALX_COL_MASS; /* nobody knows velocities and forces yet */
+    if (is_nonsmooth(c) && (moving || (column >= CALX_COL_COULOMB && column < CALX_COL_ENERGY)))
+        return false;
     for (size_t k = 0; k < sizeof conditional / sizeof *conditional; k++)
         if (column >= conditional[k].first && column < conditional[k].first + conditional[k].count)
             return c->demand.needs & conditional[k].need;
@@ -99,7 +107,7 @@ void calx_trial_fill(struct calx_trial *t, const struct calx_choice *choice, siz
     }
     poison(t, choice);
     calx_trial_clear(t, choice);
-    if (choice->plugin->kind == CALX_CONTACT)
+    if (choice->plugin->kind == CALX_CONTACT && !is_nonsmooth(choice))
         for (int k = 0; k < 4; k++) {
             calx_trial_evaluate(t, choice); /* the history of a real contact, not any numbers */
             calx_trial_clear(t, choice);
@@ -118,6 +126,19 @@ void calx_trial_clear(struct calx_trial *t, const struct calx_choice *choice)
     else if (choice->plugin->kind == CALX_CONDUCTANCE)
         for (size_t c = 0; c < CALX_BATCH; c++)
             t->column[CALX_COL_FN][c] = NAN;
+}
+
+void calx_trial_exchange(struct calx_trial *t)
+{
+    for (size_t c = 0; c < t->n; c++) {
+        for (size_t k = CALX_COL_CURVATURE; k <= CALX_COL_TEMPERATURE; k += 2) {
+            double keep = t->column[k][c];
+            t->column[k][c] = t->column[k + 1][c];
+            t->column[k + 1][c] = keep;
+        }
+        for (size_t k = 0; k < 3; k++)
+            t->column[CALX_COL_NORMAL + k][c] *= -1;
+    }
 }
 
 /* ---- calling ---- */
@@ -151,11 +172,25 @@ static struct calx_contacts view(struct calx_trial *t, double *history[])
     return b;
 }
 
+static void condition(struct calx_trial *t, const struct calx_choice *c, const struct calx_contacts *b)
+{
+    double(*col)[CALX_BATCH] = t->column;
+    struct calx_condition said = {.size = sizeof said,
+                                  .friction = col[CALX_COL_ENERGY],
+                                  .restitution = col[CALX_COL_STIFFNESS],
+                                  .pull = col[CALX_COL_STIFFNESS + 1],
+                                  .reach = col[CALX_COL_DAMPING]};
+    memset(col[CALX_COL_ENERGY], 0, sizeof col[0] * (CALX_COL_CONDUCTANCE - CALX_COL_ENERGY));
+    ((const struct calx_contact_law *)c->plugin->law)->condition(c->params, b, &said);
+}
+
 void calx_trial_evaluate(struct calx_trial *t, const struct calx_choice *c)
 {
     double *history[CALX_COL_COUNT - CALX_COL_HISTORY];
     struct calx_contacts b = view(t, history);
-    if (c->plugin->kind == CALX_CONTACT)
+    if (is_nonsmooth(c))
+        condition(t, c, &b);
+    else if (c->plugin->kind == CALX_CONTACT)
         ((const struct calx_contact_law *)c->plugin->law)->force(c->params, &b);
     else
         ((const struct calx_conductance_law *)c->plugin->law)
@@ -177,7 +212,7 @@ void calx_trial_respond(struct calx_trial *t, const struct calx_choice *c)
 static void run(struct calx_trial *t, const struct calx_choice *c)
 {
     calx_trial_evaluate(t, c);
-    if (c->plugin->kind == CALX_CONTACT)
+    if (c->plugin->kind == CALX_CONTACT && !is_nonsmooth(c))
         calx_trial_respond(t, c);
 }
 

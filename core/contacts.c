@@ -162,8 +162,10 @@ static void block_forces(struct calx_sim *s, size_t block, const struct calx_pas
     memset(b.a, 0, rows * s->r.stride * sizeof(double));
     refresh_ghosts(s, b.block);
     calx_timing_lap(b.clock, CALX_PHASE_GHOSTS);
+    c->solution = s->delivering ? calx_store_solution(s, block, &c->answer) : NULL;
     each_batch(&b, c, process_batch);
     CALX_ISA(calx_wall_contacts)(s, block, pass->dt, pass->conduct, a, c, NULL, NULL);
+    c->solution = NULL;
     calx_timing_lap(b.clock, CALX_PHASE_WALLS);
     leave_for_others(s, b.block, a);
     calx_timing_lap(b.clock, CALX_PHASE_GHOSTS);
@@ -210,19 +212,30 @@ static void show_batch(const struct calx_block_view *b, struct calx_columns *c)
                           b->block->first + calx_row_of_place(b->j[lane]));
 }
 
-static void block_network(struct calx_sim *s, size_t block, const struct calx_sink *sink)
+static void show_block(struct calx_sim *s, size_t block, bool look, bool conduct, const struct calx_sink *sink)
 {
-    struct calx_block_view b = view_block(s, block, 0.0, s->plan->conductance != NULL, NULL);
+    struct calx_block_view b = view_block(s, block, 0.0, conduct, NULL);
     struct calx_columns *c = s->columns[omp_get_thread_num()];
-    b.look = true;
+    b.look = look;
     b.sink = sink;
     refresh_ghosts(s, b.block);
     each_batch(&b, c, show_batch);
-    CALX_ISA(calx_wall_contacts)(s, block, 0.0, b.conduct, NULL, c, NULL, sink);
+    CALX_ISA(calx_wall_contacts)(s, block, 0.0, conduct, NULL, c, NULL, sink);
+}
+
+static void block_network(struct calx_sim *s, size_t block, const struct calx_sink *sink)
+{
+    show_block(s, block, true, s->plan->conductance != NULL, sink);
+}
+
+static void block_collect(struct calx_sim *s, size_t block, const struct calx_sink *sink)
+{
+    show_block(s, block, false, false, sink);
 }
 
 const struct calx_engine CALX_ISA(calx_engine) = {
     .block_forces = block_forces, .block_sift = block_sift, .block_energy = block_energy, .block_network = block_network,
+    .block_collect = block_collect,
     .find_pairs = CALX_ISA(calx_pairs_find),
     .block_before = CALX_ISA(calx_block_before), .block_finish = CALX_ISA(calx_block_finish),
     .block_kernels = CALX_ISA(calx_block_kernels), .block_measure = CALX_ISA(calx_block_measure)};

@@ -4,7 +4,8 @@
  * the tangent stiffness and damping that the laws report at the deepest overlap the scene can be expected to reach
  * (its elastic energy equals the kinetic energy of the fastest approach).
  * omega^2 = k/m*; tangential: k_t (1 + m R^2/I)/m*; damping of ratio z shortens the limit by sqrt(1 + y^2) - y, y = z times the integrator's
- * limit without damping over that of damping alone (1 for velocity Verlet, for which the formula is exact).
+ * limit without damping over that of damping alone (1 for velocity Verlet, for which the formula is exact). Non-smooth laws have no stiffness
+ * and set no step.
  */
 #include <math.h>
 #include <stdio.h>
@@ -151,7 +152,7 @@ int calx_critical_step(struct calx_sim *s, struct calx_plan *p, struct calx_erro
     bool any_free = anybody_free(&scene->particles);
     (void)e;
     p->critical_dt = p->shortest = INFINITY;
-    for (size_t type = 0; p->motion && p->law_count && type < n * n; type++) {
+    for (size_t type = 0; p->motion && p->law_count && !p->nonsmooth && type < n * n; type++) {
         size_t m[2] = {type / n, type % n};
         struct pair_case c = {.type = type};
         for (int q = 0; q < 2; q++)

@@ -62,6 +62,8 @@ static void describe_stability(struct calx_sim *s, FILE *out)
     struct calx_stability now;
     if (!s->plan->motion || calx_stability_look(s, CALX_SHARP, &now, NULL))
         return;
+    if (s->plan->nonsmooth)
+        return;
     if (!isfinite(now.limit)) {
         fprintf(out, "  contacts now   none that vibrates%s\n", s->plan->adapts ? "; the step follows the contacts" : "");
         return;
@@ -89,6 +91,8 @@ static void describe_step(const struct calx_plan *p, FILE *out)
     else if (isfinite(p->critical_dt))
         fprintf(out, ", %.3g of the stability limit %.4g s, which %s sets (one contact, as deep as is to be "
                 "expected)\n", p->dt / p->critical_dt, p->critical_dt, p->critical_text);
+    else if (p->nonsmooth)
+        fprintf(out, " (given: rigid contacts set no limit; contacts are looked for from a gap of %.3g m on)\n", p->gap);
     else
         fprintf(out, " (no contact law limits it)\n");
     if (p->heat && p->motion)

@@ -3,6 +3,8 @@
  * One batch of contacts, whatever the bodies: the stack of laws and the conductance. And for wall contacts, which come as single lanes, what
  * gather.c does for pairs: velocities at the contact point and the turning of history.
  */
+#include <float.h>
+#include <math.h>
 #include <string.h>
 
 #include "core/columns.h"
@@ -105,8 +107,10 @@ static void make_views(const struct calx_plan *p, struct calx_columns *c)
         c->views[l] = view(p, p->laws[l].demand.needs, c);
         c->views[l].history = c->law_history[l];
     }
-    if (p->conductance)
+    if (p->conductance) {
         c->views[p->law_count] = view(p, p->conductance_demand.needs, c);
+        c->views[p->law_count].overlap = p->nonsmooth ? c->energy : c->overlap;
+    }
     c->viewed = p;
 }
 
@@ -148,6 +152,65 @@ static void run_laws(const struct calx_plan *p, size_t type, double dt, struct c
     }
 }
 
+/* ---- non-smooth laws ---- */
+
+static void run_conditions(const struct calx_plan *p, size_t type, struct calx_columns *c)
+{
+    struct calx_condition condition = {.size = sizeof condition, .friction = c->condition[0], .restitution = c->condition[1],
+                                       .pull = c->condition[2], .reach = c->condition[3]};
+    for (size_t k = 0; k < 4; k++)
+        memset(c->condition[k], 0, calx_padded(c->n) * sizeof(double));
+    for (size_t l = 0; l < p->law_count; l++) {
+        const struct calx_law *law = &p->laws[l];
+        law->law->condition(pair_params(law->plugin, law->params, type), present(p, l, type, 0.0, c), &condition);
+    }
+}
+
+/* The impulses of a lane, into its history too if they are new; and the work. */
+static void take_impulse(const struct calx_plan *p, struct calx_columns *c, size_t lane, double impulse[4])
+{
+    bool within = c->overlap[lane] > -p->gap, solved = within && c->solution;
+    for (size_t k = 0; k < 4; k++) {
+        double *kept = &c->history[p->impulse + k][lane];
+        if (solved)
+            *kept = c->solution->impulse[k][c->answer];
+        impulse[k] = within ? *kept : 0.0;
+    }
+    if (solved)
+        c->work[lane] = c->solution->work[c->answer++];
+}
+
+/* Impulses as mean forces of the step. */
+static void take_impulses(const struct calx_plan *p, struct calx_columns *c)
+{
+    double rate = 1.0 / p->dt;
+    for (size_t lane = 0; lane < c->n; lane++) {
+        double impulse[4];
+        take_impulse(p, c, lane, impulse);
+        c->fn[lane] = rate * impulse[3];
+        c->coulomb[lane] = c->fn[lane] + (-c->overlap[lane] <= c->condition[3][lane] ? c->condition[2][lane] : 0.0);
+        for (size_t k = 0; p->needs & CALX_NEEDS_TANGENT && k < 3; k++)
+            c->ft[k][lane] = rate * impulse[k];
+    }
+}
+
+/* Rigid bodies touch where they press on each other, whatever rounding has left between them: to conductances that is an overlap. */
+static void show_touch(struct calx_columns *c)
+{
+    memset(c->energy, 0, sizeof c->energy);
+    for (size_t lane = 0; lane < c->n; lane++)
+        c->energy[lane] = c->fn[lane] > 0.0 ? fmax(c->overlap[lane], DBL_MIN) : fmin(c->overlap[lane], 0.0);
+}
+
+static void run_nonsmooth(const struct calx_plan *p, size_t type, struct calx_columns *c)
+{
+    run_conditions(p, type, c);
+    take_impulses(p, c);
+    show_touch(c);
+}
+
+/* ---- all laws ---- */
+
 static void clear(calx_column *columns, size_t count, size_t n)
 {
     for (size_t k = 0; k < count; k++)
@@ -172,7 +235,10 @@ void CALX_ISA(calx_evaluate_stack)(const struct calx_plan *p, size_t type, doubl
         clear(c->ft, 3, c->n);
     if (p->needs & CALX_NEEDS_SPIN)
         clear(c->torque, 3, c->n);
-    run_laws(p, type, dt, c, clock);
+    if (p->nonsmooth)
+        run_nonsmooth(p, type, c);
+    else
+        run_laws(p, type, dt, c, clock);
     if (conduct) {
         const struct calx_conductance_law *law = p->conductance->law;
         law->conductance(pair_params(p->conductance, p->conductance_params, type),

@@ -147,6 +147,7 @@ CALX_INLINE void gather_speeds(const struct calx_block_view *b, struct calx_colu
 {
     const struct constants k = constants_of(b);
     const bool tangent = b->s->plan->needs & CALX_NEEDS_TANGENT, conduct = b->conduct;
+    const double elapsed = b->s->plan->nonsmooth ? 0.0 : b->dt; /* impulses are laid into the plane of the normal */
     const double *rows = b->v;
     const uint32_t *i = b->i, *j = b->j;
     const size_t count = c->n;
@@ -192,7 +193,7 @@ CALX_INLINE void gather_speeds(const struct calx_block_view *b, struct calx_colu
         if (k.centred)
             calx_lanes_lay(planar, n, vt);
         store(planar, c->vt, lane, vt);
-        turn_history(planar, c, lane, vectors, vector_count, n, v, un, 0.5 * b->dt * calx_v8_load(c->inverse + lane));
+        turn_history(planar, c, lane, vectors, vector_count, n, v, un, 0.5 * elapsed * calx_v8_load(c->inverse + lane));
     }
 }
 

@@ -3,7 +3,8 @@
  * A global integrator of motion drives the step itself: here are the services it does so with.
  * Kernels run over disjoint blocks, results do not depend on threads. How far bodies go is
  * measured, so that lists are built anew in time. Each evaluation that is kept is a sub-step of its
- * own for history, dissipated work and the work of walls.
+ * own for history, dissipated work and the work of walls. An integrator that solves for impulses
+ * gets the contacts in the place of an evaluation, and hands back their impulses (store.c).
  */
 #include <math.h>
 #include <string.h>
@@ -113,6 +114,75 @@ static double change(void *engine, double time)
     return d->failed ? NAN : calx_change_distance(d->s);
 }
 
+/* ---- impulses ---- */
+
+static int collect(struct drive *d, const struct calx_moments *at)
+{
+    struct calx_sim *s = d->s;
+    CALX_TRY(calx_store_begin(s, d->e));
+    calx_step_set_gravity(s, at->forces);
+    s->lag = at->positions - at->velocities;
+    calx_walls_move(s, at->positions, at->positions - d->walls);
+    s->lag = 0.0;
+    d->walls = at->positions;
+    CALX_TRY(calx_step_lists(s, d->e));
+    return calx_store_collect(s, s->dt, d->e);
+}
+
+static int contacts(void *engine, const struct calx_moments *at, struct calx_problem **problem)
+{
+    struct drive *d = engine;
+    d->failed = collect(d, at) != 0;
+    if (!d->failed)
+        *problem = calx_store_problem(d->s);
+    return d->failed;
+}
+
+static int deliver(struct drive *d)
+{
+    struct calx_sim *s = d->s;
+    struct calx_pass pass = calx_step_end_pass(s, s->dt, -1, false);
+    calx_store_work(s);
+    s->delivering = true;
+    int failed = calx_step_forces(s, &pass, d->e);
+    s->delivering = false;
+    CALX_TRY(failed);
+    CALX_TRY(calx_guard_finite(s, d->e));
+    s->wall_work -= 0.5L * (long double)s->wall_power * (long double)s->dt_now; /* of a stage before */
+    s->dt_now = s->dt;
+    calx_ledger_step(s, s->dt);
+    d->kept_at_end = true;
+    return 0;
+}
+
+static int impulses(void *engine)
+{
+    struct drive *d = engine;
+    d->failed = deliver(d) != 0;
+    return d->failed;
+}
+
+static void parallel(void *engine, size_t n, void (*part)(void *context, size_t first, size_t last), void *context)
+{
+    enum { PIECE = 256 }; /* contacts: what takes a thread longer than to be called */
+    const struct calx_sim *s = ((struct drive *)engine)->s;
+    size_t pieces = (n + PIECE - 1) / PIECE;
+    if (pieces < 2 || s->threads < 2) {
+        part(context, 0, n);
+        return;
+    }
+#pragma omp parallel for schedule(static) num_threads(s->threads)
+    for (size_t k = 0; k < pieces; k++)
+        part(context, k * PIECE, k + 1 < pieces ? (k + 1) * PIECE : n);
+}
+
+/* Positions are those of the end of the step now: walls, and what they carry, get there too. */
+static void end_impulses(struct calx_sim *s, const struct drive *d)
+{
+    calx_walls_move(s, d->t, d->t - d->walls);
+    s->speed = s->moved / s->dt;
+}
+
 int calx_motion_step_global(struct calx_sim *s, double t, struct calx_error *e)
 {
     const struct calx_plan *p = s->plan;
@@ -125,7 +195,10 @@ int calx_motion_step_global(struct calx_sim *s, double t, struct calx_error *e)
                                     .each = each,
                                     .largest = largest,
                                     .forces = forces,
-                                    .change = change};
+                                    .change = change,
+                                    .contacts = contacts,
+                                    .impulses = impulses,
+                                    .parallel = parallel};
     char why[512] = "";
     s->speed = 0.0;
     int failed = p->motion_law->advance(p->motion_params, &host, why, sizeof why);
@@ -140,5 +213,7 @@ int calx_motion_step_global(struct calx_sim *s, double t, struct calx_error *e)
                               "the integrator of motion %s ends its step without evaluating the "
                               "forces there",
                               p->motion->name);
+    if (p->nonsmooth)
+        end_impulses(s, &d);
     return 0;
 }

@@ -12,6 +12,7 @@
 
 static const double DISPLACEMENT_BOUND = 0.5; /* of the smallest radius, per step */
 static const double ENERGY_BOUND = 0.5;       /* of the largest energy that took part */
+static const double ROUNDING = 1e-12;         /* of the potential energy, where nothing moves */
 
 enum { TEMPERATURE_EVERY = 16 };
 
@@ -83,7 +84,7 @@ static int energy_created(struct calx_sim *s, struct calx_error *e)
 {
     struct calx_ledger l = calx_sim_ledger(s);
     char contact[CALX_GUARD_TEXT];
-    if (!(l.residual > ENERGY_BOUND * l.scale) || !s->n)
+    if (!(l.residual > ENERGY_BOUND * l.scale + ROUNDING * fabs(l.potential)) || !s->n)
         return 0;
     int32_t fastest = fastest_row(s);
     calx_guard_contact(s, fastest, contact);

@@ -124,7 +124,7 @@ int calx_guard_contacts(struct calx_sim *s, struct calx_error *e)
 {
     struct calx_stability now;
     double depth, dt = s->dt;
-    if (!s->plan->motion || !s->plan->law_count || s->plan->models->forced || calx_pace_resolves(s->plan, LEAST_STEPS))
+    if (!s->plan->motion || !s->plan->law_count || s->plan->nonsmooth || s->plan->models->forced || calx_pace_resolves(s->plan, LEAST_STEPS))
         return 0;
     note_contacts(s, &depth, &s->contacts_seen);
     s->overlap_seen = fmax(s->overlap_seen, depth);
@@ -143,7 +143,7 @@ int calx_guard_contacts_step(struct calx_sim *s, struct calx_error *e)
 {
     double depth;
     int64_t contacts;
-    if (s->plan->models->forced || !s->plan->law_count || calx_pace_resolves(s->plan, LEAST_STEPS))
+    if (s->plan->models->forced || !s->plan->law_count || s->plan->nonsmooth || calx_pace_resolves(s->plan, LEAST_STEPS))
         return 0;
     note_contacts(s, &depth, &contacts);
     bool come = contacts != s->contacts_seen && s->plan->shortest < LEAST_STEPS * s->dt && s->step >= s->look_from;

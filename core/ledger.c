@@ -2,7 +2,8 @@
  *
  * The ledger: what went in and out in each step, summed in block order, and the energies of the present state. Dissipated
  * work and heat flows are summed as they happen; kinetic, elastic and potential energies are worked out when asked.
- * The work of walls is force times wall speed at each evaluation; the last evaluation has acted for half a step only.
+ * The work of walls is force times wall speed at each evaluation; the last evaluation has acted for half a step only. Impulses of non-smooth
+ * laws are those of the whole step, which is over.
  */
 #include <math.h>
 #include <string.h>
@@ -48,7 +49,7 @@ static struct sums sum_bodies(const struct calx_sim *s)
 static long double sum_elastic(struct calx_sim *s)
 {
     long double elastic = 0.0;
-    if (!s->plan->law_count)
+    if (!s->plan->law_count || s->plan->nonsmooth)
         return 0.0;
 #pragma omp parallel for schedule(dynamic, 1) num_threads(s->team) if (s->team > 1)
     for (size_t b = 0; b < s->block_count; b++) {
@@ -118,7 +119,7 @@ void calx_ledger_step(struct calx_sim *s, double dt)
     }
     s->dissipated += work;
     s->wall_work += (long double)power * (long double)dt;
-    s->wall_power = power;
+    s->wall_power = s->plan->nonsmooth ? 0.0 : power;
     if (s->features.temperature) {
         s->dissipation_heat += work * (long double)s->scene->from_dissipation;
         s->wall_heat -= lost;

@@ -188,6 +188,7 @@ static const char *contact_lacks(const void *law)
            : (l->depends & ~parts)                ? "depends must name parts of enum calx_part"
            : !l->nonsmooth && !l->force           ? "force must not be NULL"
            : !l->nonsmooth && !l->response        ? "response must not be NULL"
+           : l->nonsmooth && !l->condition        ? "condition must not be NULL"
            : !(l->demand.gap >= 0)
                ? "demand.gap must not be negative"
                : names_missing(l->history, l->demand.history_vectors + l->demand.history_scalars,
@@ -217,6 +218,8 @@ static const char *motion_lacks(const void *law)
            : !(l->damping > 0)                     ? "damping must be greater than 0"
            : !isfinite(l->velocity_lag)
                ? "velocity_lag must be finite"
+           : l->solves_impulses && !l->advance     ? "solves_impulses needs advance"
+           : !(l->reach >= 0)                      ? "reach must not be negative"
            : l->resolves_contacts && (l->stages != 1 || l->start || l->velocity_lag != 0.5)
                ? "resolves_contacts needs one stage, no start and a velocity_lag of 0.5"
                : names_missing(l->extra, extra, "extra must name every row of extra state");

@@ -102,6 +102,21 @@ static bool step(const struct calx_measure_view *v, double out[3])
     return true;
 }
 
+static bool solver_sweeps(const struct calx_measure_view *v, double out[3])
+{
+    double residual;
+    out[0] = calx_sim_solver(v->sim, &residual);
+    return true;
+}
+
+static bool solver_residual(const struct calx_measure_view *v, double out[3])
+{
+    double residual;
+    calx_sim_solver(v->sim, &residual);
+    out[0] = residual;
+    return true;
+}
+
 static bool count(const struct calx_measure_view *v, double out[3])
 {
     out[0] = (double)calx_sim_particle_count(v->sim);
@@ -295,6 +310,8 @@ static const struct calx_measure_row rows[] = {
           "time step over the longest stable one, of the contacts there are and those to be expected"),
     WHOLE("step-share-particle", "1", 1, step_share_particle,
           "the particle whose contacts set the longest stable step; -1: the stiffest contact to be expected"),
+    WHOLE("solver-sweeps", "1", 1, solver_sweeps, "sweeps over the rigid contacts in the last step; 0 without any"),
+    WHOLE("solver-residual", "1", 1, solver_residual, "what they left of the conditions, relative to the impulses"),
     WHOLE("count", "1", 1, count, "particles"),
     WHOLE("contacts", "1", 1, contacts, "touching pairs, walls included"),
     WHOLE("pair-contacts", "1", 1, pair_contacts, "touching pairs of particles"),

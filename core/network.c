@@ -70,7 +70,13 @@ static void record(struct network *n, const struct calx_columns *c, size_t lane,
         ? c->conductance[lane] * (c->temperature[1][lane] - c->temperature[0][lane]) : 0.0;
     double limit = friction_of(n->s->plan, type) *
                    fabs(n->s->plan->cohesion ? c->coulomb[lane] : c->fn[lane]);
-    f->status[k] = sqrt(ft2) > 0.0 && sqrt(ft2) >= SLIP * limit;
+    f->status[k] = n->s->plan->nonsmooth && c->fn[lane] < 0.0 ? 2 : sqrt(ft2) > 0.0 && sqrt(ft2) >= SLIP * limit;
+}
+
+/* Rigid bodies touch where they exchange an impulse. */
+static bool touches(const struct calx_plan *p, const struct calx_columns *c, size_t lane)
+{
+    return p->nonsmooth ? c->fn[lane] != 0.0 : c->overlap[lane] > 0.0;
 }
 
 static void take(void *context, const struct calx_columns *c, size_t lane, int32_t row_i, int32_t row_j)
@@ -80,11 +86,11 @@ static void take(void *context, const struct calx_columns *c, size_t lane, int32
     int64_t id[2] = {calx_row_id(s, row_i), row_j < 0 ? row_j : calx_row_id(s, row_j)};
     size_t material_j = row_j < 0 ? (size_t)s->scene->walls[-1 - row_j].material : (size_t)s->r.material[row_j];
     size_t type = (size_t)s->r.material[row_i] * s->scene->material_count + material_j;
-    if (c->overlap[lane] > 0.0)
+    if (touches(s->plan, c, lane))
         for (int k = 0; k < 2; k++)
             if (id[k] >= 0)
                 n->f->contacts[id[k]]++;
-    if (!n->full || n->failed)
+    if (!n->full || n->failed || (s->plan->nonsmooth && c->fn[lane] == 0.0))
         return;
     if (n->f->contact_count == n->capacity && grow(n))
         n->failed = true;

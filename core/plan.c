@@ -263,10 +263,28 @@ static int order_laws(struct calx_plan *p, struct calx_error *e)
                 "not '%s'", p->motion->name, p->laws[l].plugin->name);
         p->cohesion |= (law->provides & CALX_COHESION) != 0;
     }
+    p->nonsmooth = p->motion_law && p->motion_law->solves_impulses;
     return 0;
 }
 
-static int join_needs(struct calx_plan *p, struct calx_error *e)
+/* The host keeps the impulse of each contact for the next step to start from. */
+static int keep_impulses(const struct calx_sim *s, struct calx_plan *p, struct calx_error *e)
+{
+    const struct calx_particles *bodies = &s->scene->particles;
+    double smallest = bodies->count ? bodies->radius[0] : 0.0;
+    if (p->history + 4 > CALX_HISTORY_MAX)
+        return calx_error_set(e, CALX_ERROR_INPUT, "the contact laws keep more than %d numbers per contact",
+                              CALX_HISTORY_MAX);
+    p->impulse = p->history;
+    p->history_is_vector[p->impulse] = 1;
+    p->history += 4;
+    for (size_t i = 1; i < bodies->count; i++)
+        smallest = fmin(smallest, bodies->radius[i]);
+    p->gap = fmax(p->gap, p->motion_law->reach * smallest);
+    return 0;
+}
+
+static int join_needs(const struct calx_sim *s, struct calx_plan *p, struct calx_error *e)
 {
     p->needs = p->conductance_demand.needs;
     for (size_t l = 0; l < p->law_count; l++) {
@@ -286,6 +304,8 @@ static int join_needs(struct calx_plan *p, struct calx_error *e)
         p->needs |= CALX_NEEDS_ROTATION;
     if (p->needs & CALX_NEEDS_ROTATION)
         p->needs |= CALX_NEEDS_TANGENT;
+    if (p->nonsmooth)
+        return keep_impulses(s, p, e);
     return calx_motion_resolve(p, e);
 }
 
@@ -297,6 +317,10 @@ static int choose_step(struct calx_sim *s, struct calx_plan *p, struct calx_erro
     p->dt = m->frozen ? m->heat_dt : m->dt > 0.0 ? m->dt : fraction * p->critical_dt;
     if (m->frozen && !(p->dt > 0.0))
         p->dt = m->dt;
+    if (p->nonsmooth && !m->frozen && !(m->dt > 0.0))
+        return calx_error_set(e, CALX_ERROR_INPUT,
+            "no time step: rigid contacts vibrate at no frequency that could set one for integrator '%s'; give dt on <integrator>, so that "
+            "bodies come a small share of their radius in a step", p->motion->name);
     if (!(p->dt > 0.0) || !isfinite(p->dt))
         return calx_error_set(e, CALX_ERROR_INPUT,
             "no time step: nothing in the case sets one (no stiff contact); give dt on <integrator>");
@@ -358,7 +382,7 @@ int calx_plan_create(struct calx_sim *s, struct calx_error *e)
         p->models = &scene->models[k];
         CALX_TRY(load_models(s, p, e));
         CALX_TRY(order_laws(p, e));
-        CALX_TRY(join_needs(p, e));
+        CALX_TRY(join_needs(s, p, e));
         if (!p->motion)
             p->needs &= ~(uint32_t)CALX_NEEDS_ROTATION;
         CALX_TRY(choose_step(s, p, e));

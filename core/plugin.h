@@ -21,7 +21,7 @@
 #include <stdint.h>
 
 #define CALX_PLUGIN_MAGIC 0x786c6163u /* "calx" */
-#define CALX_PLUGIN_ABI 3u
+#define CALX_PLUGIN_ABI 4u
 #define CALX_PLUGIN_SYMBOL "calx_plugin"
 
 /* Columns of a batch hold a whole number of groups of CALX_WIDTH doubles and are aligned to 64 bytes. */
@@ -143,20 +143,37 @@ struct calx_response {
     double *damping[2];   /* N s/m, in/out: normal, tangential; NULL if not asked for */
 };
 
+/* What the non-smooth laws of a stack say of each contact of a batch, together: columns as in the batch, 0 where none has said anything yet.
+ * With the step h, the impulse r on body i, the velocity u of i relative to j at the contact point, v- at the start of the step and v+ at its
+ * end, a contact obeys
+ *     0 <= rn + pull h,   un+ + b >= 0,   (rn + pull h) (un+ + b) = 0,   |rt| <= friction (rn + pull h), against ut+ where it slips,
+ * b = restitution un- if it touches; if it does not, b is what keeps it from passing through. pull is 0 where the gap is above reach. */
+struct calx_condition {
+    size_t size;
+    double *friction;    /* 1, in/out */
+    double *restitution; /* 1, in/out, Newton's, 0 to 1 */
+    double *pull;        /* N, in/out: attraction, whatever the gap, up to: */
+    double *reach;       /* m, in/out; the law's demand.gap must be no less */
+};
+
 enum calx_part { CALX_NORMAL = 1, CALX_COHESION = 2, CALX_TANGENTIAL = 4, CALX_ROLLING = 8 };
 
 struct calx_contact_law {
     uint32_t provides;          /* enum calx_part: laws act in this order */
     uint32_t depends;           /* parts that another law of the stack must provide */
-    uint32_t nonsmooth;         /* 1: impulses, needs an integrator that solves for them */
+    uint32_t nonsmooth;         /* 1: the law says a condition, and needs an integrator that solves for impulses */
     struct calx_demand demand;  /* what the law needs at most */
     const char *const *history; /* names of the history: vectors, then scalars */
     /* [prepare] params is the plugin's struct for one material pair, filled from the table; returns 0, or 1 with text
      * in why. May be NULL. */
     int (*prepare)(const struct calx_setup *, void *params, struct calx_demand *, char *why, size_t why_size);
     void (*release)(void *params);                                         /* [prepare] may be NULL */
+    /* Of smooth laws: */
     void (*force)(const void *params, const struct calx_contacts *);      /* [kernel] */
     void (*response)(const void *params, const struct calx_contacts *, const struct calx_response *); /* [kernel] */
+    /* [kernel] Of non-smooth ones. Nobody has worked out velocities or forces yet: vn, vt, spin and the results of the batch mean nothing,
+     * and it has no history. */
+    void (*condition)(const void *params, const struct calx_contacts *, const struct calx_condition *);
 };
 
 /* ---- help for prepare --------------------------------------------------------------------------------- */
@@ -213,7 +230,8 @@ struct calx_conductance_law {
     struct calx_demand demand; /* history is not available to conductances */
     int (*prepare)(const struct calx_setup *, void *params, struct calx_demand *, char *why, size_t why_size);
     void (*release)(void *params);
-    /* [kernel] conductance: W/K, one column; 0 where overlap <= 0. The heat flow to i is H (T_j - T_i). */
+    /* [kernel] conductance: W/K, one column; 0 where overlap <= 0. The heat flow to i is H (T_j - T_i). Under non-smooth laws bodies have an
+     * overlap, if only the smallest number, where fn > 0, and none elsewhere. */
     void (*conductance)(const void *params, const struct calx_contacts *, double *conductance);
 };
 
@@ -277,6 +295,8 @@ struct calx_motion_integrator {
      * impulse, as if it knew the moments, and with damping at the velocity of the moment of the positions. One stage, whose evaluation
      * acts as one kick, v += dt a, at the moment of its positions, and with velocities half a step before (velocity_lag 0.5). */
     uint32_t resolves_contacts;
+    /* Of those that solve for impulses: contacts are of interest from this gap on, in units of the smallest radius. */
+    double reach;
     uint32_t constant_step;  /* 1: the step may not change during a run, for the extra state is that of one step */
     uint32_t extra_translation, extra_rotation; /* rows of extra state per particle, 8 at most */
     const char *const *extra; /* their names */
@@ -301,6 +321,39 @@ struct calx_evaluation {
     uint32_t keep;   /* 1: changes contact history and books work; the last of a step must, at t + dt. 0: a trial */
 };
 
+/* For an integrator that solves for impulses: what belongs to which moment, s. The positions are the present ones. */
+struct calx_moments {
+    double positions;  /* walls are put where they are then */
+    double forces;     /* gravity of then acts during the whole step */
+    double velocities; /* of the end of the step: walls move as they do then */
+};
+
+/* All contacts of the step, in an order that does not depend on threads; and the bodies in rows of eight, {vx, vy, vz, 1/m, wx, wy, wz, 1/I},
+ * inverse mass and inertia 0 for those that are held or carried. Body i gets the impulse rn n + rt, at -lever[0] n from its centre, body j
+ * the opposite, at lever[1] n from its own. Everything is 0 where it does not apply. The solver fills `velocity`, `normal_impulse` and
+ * `impulse`. */
+struct calx_problem {
+    size_t size;
+    size_t n;      /* contacts */
+    size_t bodies; /* rows, some of them of no meaning */
+    double dt;     /* s */
+    const double *position;       /* m: rows of four, {x, y, z, R} */
+    const double *before;         /* velocities at the start of the step */
+    double *velocity;             /* in: at its end if no contact acted; out: with the impulses */
+    const int32_t *body[2];       /* rows of i and j; j is -1 for a wall */
+    const double *normal[3];      /* 1, from j to i */
+    const double *lever[2];       /* m */
+    const double *gap;            /* m, not positive where bodies touch */
+    const double *wall_before[3]; /* m/s: of the wall at the contact point, at the start of the step */
+    const double *wall_after[3];  /* m/s: at its end */
+    const double *friction, *restitution, *pull; /* see calx_condition; pull in N, 0 beyond its reach */
+    double *normal_impulse;       /* N s, in/out: that of the last step comes in, 0 of a new contact */
+    double *impulse[3];           /* N s, in/out: tangential */
+    /* of the solution, for output: sweeps, or iterations, and the residual that is left; 0 at the start */
+    double sweeps, residual;
+    double gravity[3];            /* m/s2 */
+};
+
 /* The services of the engine to a global integrator, valid during advance. Later versions may add services at the end: look at
  * size. At the start accelerations (rows.a) are those of the state at t, and evaluated as kept. */
 struct calx_motion_host {
@@ -319,6 +372,15 @@ struct calx_motion_host {
      * `time`: the smallest gap of what was apart and the smallest overlap of what touched; < 0: how far a change lies behind; infinite
      * where there is nothing. NaN if the run must stop: return 1 then, `why` left empty. */
     double (*change)(void *engine, double time);
+    /* For integrators that solve for impulses, once per step each. The first collects the contacts at the present rows; the problem is the
+     * engine's, and valid until the end of the step. The second takes the solution: books history, dissipated work, heat and the work of
+     * walls, and fills a with the mean accelerations of the step, by impulses and gravity: it stands for the evaluation that is kept.
+     * Return 0, or 1 if the run must stop: return 1 then, `why` left empty. */
+    int (*contacts)(void *engine, const struct calx_moments *, struct calx_problem **);
+    int (*impulses)(void *engine);
+    /* Runs part(context, first, last) over ranges that make up 0 to n, on several threads at once where that is worth it: parts must not depend
+     * on each other, nor results on how they are cut. */
+    void (*parallel)(void *engine, size_t n, void (*part)(void *context, size_t first, size_t last), void *context);
 };
 
 enum { CALX_MEMORY = 8 };

@@ -22,6 +22,7 @@ struct scalars {
     double dt, heat_dt, pace_time, pace_overlap, checked;
     int64_t contacts_seen, look_from, heat_every, pace_step, pace_level, pace_due;
     struct calx_peak peak;
+    double sweeps, residual;
 };
 
 #define COPY_SCALARS(to, from)                                                                     \
@@ -52,6 +53,7 @@ struct scalars {
         (to)->heat_every = (from)->heat_every, (to)->pace_time = (from)->pace_time;                \
         (to)->pace_step = (from)->pace_step, (to)->pace_level = (from)->pace_level;                \
         (to)->pace_due = (from)->pace_due, (to)->pace_overlap = (from)->pace_overlap;              \
+        (to)->sweeps = (from)->sweeps, (to)->residual = (from)->residual;                          \
         (to)->checked = (from)->checked;                                                           \
         (to)->heat_scale = (from)->heat_scale, (to)->peak = (from)->peak;                          \
     } while (0)

@@ -212,6 +212,19 @@ static void note_deepest(const struct calx_block_view *b, const struct calx_colu
     }
 }
 
+/* Pairs that touch, of eight. Where laws act at a distance that is an overlap, where they are non-smooth an impulse. */
+static int touching(const struct calx_block_view *b, const struct calx_columns *c, size_t lane, calx_v8 overlap)
+{
+    const struct calx_plan *p = b->s->plan;
+    int count = 0;
+    if (p->nonsmooth) {
+        for (size_t k = lane; k < lane + 8 && k < c->n; k++)
+            count += c->fn[k] != 0.0;
+        return count;
+    }
+    return __builtin_popcount(p->gap > 0.0 ? calx_v8_less((calx_v8){0}, overlap) : c->is[lane / 8]);
+}
+
 static void tally(const struct calx_block_view *b, struct calx_columns *c)
 {
     struct calx_tally *t = b->tally;
@@ -220,7 +233,7 @@ static void tally(const struct calx_block_view *b, struct calx_columns *c)
         calx_v8 w = calx_v8_load(c->work + lane), overlap = calx_v8_load(c->overlap + lane), depth = depth_of(b, c, lane);
         work += lane + 8 > c->n ? calx_v8_first(w, c->n - lane) : w;
         deepest = calx_v8_max(deepest, lane + 8 > c->n ? calx_v8_first(depth, c->n - lane) : depth);
-        t->contacts += __builtin_popcount(b->s->plan->gap > 0.0 ? calx_v8_less((calx_v8){0}, overlap) : c->is[lane / 8]);
+        t->contacts += touching(b, c, lane, overlap);
     }
     t->work += calx_v8_sum(work);
     for (int lane = 0; lane < 8; lane++)

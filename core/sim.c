@@ -103,6 +103,7 @@ void calx_sim_free(struct calx_sim *s)
         return;
     calx_measure_clear(&s->measure);
     calx_plan_free(s);
+    calx_store_free(s);
     calx_rows_free(&s->r);
     free_threads(s);
     for (size_t p = 0; s->classes && p < s->scene->probe_count; p++)

@@ -425,7 +425,7 @@ int calx_stability_look(struct calx_sim *s, enum calx_effort effort, struct calx
 {
     struct network n = {.s = s};
     *out = (struct calx_stability){INFINITY, NAN, INFINITY, -1, 0, INFINITY, {-1, -1}};
-    if (!s->plan->motion || !s->plan->law_count)
+    if (!s->plan->motion || !s->plan->law_count || s->plan->nonsmooth) /* a rigid contact does not vibrate */
         return 0;
     CALX_TRY(calx_tangents_collect(s, &n.contacts, e));
     n.limit = s->plan->motion_law->stability;

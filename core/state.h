@@ -71,6 +71,8 @@ struct calx_plan {
     bool resolves;            /* onset and end of contacts inside a step (onset.c): */
     size_t normal, owed, past; /* the last normal law; columns of history: the force owed to a contact, and what is kept of its velocity */
     bool cohesion;            /* the Coulomb limit differs from fn */
+    bool nonsmooth;           /* the laws say conditions, and the integrator solves for impulses: */
+    size_t impulse;           /* first column of history: the tangential impulse of the last step, then the normal one */
     bool global_heat;
 };
 
@@ -272,6 +274,10 @@ struct calx_sim {
     size_t carried_count;
     struct calx_carried *carried; /* made anew whenever rows change places */
 
+    struct calx_store *store;     /* contacts of non-smooth laws, NULL before the first */
+    bool delivering;              /* the evaluation under way takes their impulses from there */
+    double sweeps, residual;      /* of the last solution */
+
     /* heat network, for global integrators of temperature */
     size_t edge_capacity, boundary_capacity;
     int32_t *edge_i, *edge_j, *boundary_i, *boundary_wall;
@@ -318,6 +324,12 @@ struct calx_columns;
 
 typedef double calx_rows_measure(const void *params, const struct calx_rows *);
 
+/* Impulses of all contacts, N s, and the work they dissipate, J. */
+struct calx_solution {
+    const double *impulse[4]; /* tangential, normal */
+    const double *work;
+};
+
 /* Who looks at contacts: lane of the columns, row of body i, row of body j or -1 - wall. */
 struct calx_sink {
     void *context;
@@ -355,6 +367,8 @@ struct calx_engine {
     calx_pairs_finder *find_pairs;
     /* Shows each touching contact with its present forces; changes nothing. */
     void (*block_network)(struct calx_sim *, size_t block, const struct calx_sink *);
+    /* The same as a trial: pairs that have come into reach are among them. */
+    void (*block_collect)(struct calx_sim *, size_t block, const struct calx_sink *);
 };
 /* engine.c: the best copy for this processor. name may be NULL. */
 const struct calx_engine *calx_engine_pick(const char **name);
@@ -485,10 +499,10 @@ int calx_guard_all(struct calx_sim *, struct calx_error *);
 int calx_guard_left(const struct calx_sim *, int32_t row, int axis, struct calx_error *);
 
 /* step.c */
+/* Brings the lists of neighbours up to date. */
+int calx_step_lists(struct calx_sim *, struct calx_error *);
 /* All forces at the present positions, then accelerations and what follows. s->trial and s->lag say what kind of evaluation it is. */
 int calx_step_forces(struct calx_sim *, const struct calx_pass *, struct calx_error *);
-/* Renews the neighbour list and, within it, the list of what may touch soon, where bodies have come too far. */
-int calx_step_lists(struct calx_sim *, struct calx_error *);
 /* The evaluation at the end of the step under way, `dt` after the last that was kept. */
 struct calx_pass calx_step_end_pass(const struct calx_sim *, double dt, int stage, bool ahead);
 int calx_step_begin_stage(struct calx_sim *, int stage, struct calx_error *);
@@ -509,6 +523,16 @@ int calx_motion_step_global(struct calx_sim *, double t, struct calx_error *);
 /* peak.c: watches the largest force from the start if the scene asks for it; looks at the present state. */
 void calx_peak_start(struct calx_sim *);
 void calx_peak_look(struct calx_sim *);
+/* store.c: contacts of non-smooth laws. Collecting: before walls move, then at the present rows, lists being up to date; walls then have the
+ * mean velocities of the step. */
+int calx_store_begin(struct calx_sim *, struct calx_error *);
+int calx_store_collect(struct calx_sim *, double dt, struct calx_error *);
+/* The work that each contact has dissipated, from what the solver left. */
+void calx_store_work(struct calx_sim *);
+struct calx_problem *calx_store_problem(struct calx_sim *);
+void calx_store_free(struct calx_sim *);
+/* What the contacts of a block take their impulses from: the first of them is *first. */
+const struct calx_solution *calx_store_solution(const struct calx_sim *, size_t block, size_t *first);
 
 /* rows.c: the id of the body of a row, own or ghost. */
 int64_t calx_row_id(const struct calx_sim *, int32_t row);

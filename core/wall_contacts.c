@@ -177,7 +177,7 @@ static void add_lane(struct wall_batch *w, size_t lane)
             w->tally->wall_heat_lost += lost;
     }
     w->tally->work += c->work[lane];
-    w->tally->wall_contacts += c->overlap[lane] > 0.0;
+    w->tally->wall_contacts += plan->nonsmooth ? c->fn[lane] != 0.0 : c->overlap[lane] > 0.0;
     if (depth > w->tally->overlap) {
         w->tally->overlap = depth;
         w->tally->overlap_rows[0] = w->lane[lane].row;

@@ -69,6 +69,13 @@ static const struct {
     {"faulty-tangential-gain", "dissipation >= 0 over a closed cycle"},
     {"faulty-tangential-direction", "same physics in every direction"},
     {"faulty-tangential-keeps", "no force without overlap"},
+    {"faulty-condition-range", "conditions have a solution"},
+    {"faulty-condition-one_sided", "the same from both bodies"},
+    {"faulty-condition-beyond", "pulls end within the declared gap"},
+    {"faulty-condition-nothing", "contacts are pulled"},
+    {"faulty-condition-velocity", "undeclared columns are unused"},
+    {"faulty-condition-pieces", "same bits in pieces"},
+    {"faulty-condition-infinite", "finite at every bound of the parameters"},
     {"faulty-conductance-apart", "no conductance without overlap"},
     {"faulty-conductance-negative", "conductance is not negative"},
     {"faulty-conductance-nothing", "contacts conduct"},
@@ -132,7 +139,7 @@ static void assert_passes(const struct calx_conformance *report, const char *nam
     ck_assert_uint_eq(report->failed, 0);
 }
 
-static const char *const right[] = {"faulty-normal-none", "faulty-tangential-none",
+static const char *const right[] = {"faulty-normal-none", "faulty-tangential-none", "faulty-condition-none",
                                     "faulty-conductance-none", "faulty-motion-none",
                                     "faulty-motion-two", "faulty-global-none",
                                     "faulty-temperature-none"};
@@ -146,7 +153,7 @@ START_TEST(test_right_variants_pass)
 END_TEST
 
 /* The plugins of this issue: the suite runs on them and on whatever else the folders hold. */
-enum { PLUGINS = 23 };
+enum { PLUGINS = 26 };
 
 START_TEST(test_every_plugin_passes)
 {

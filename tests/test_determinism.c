@@ -72,8 +72,9 @@ static void add_group(struct calx_scene *s)
     m->frequency = 700.0;
 }
 
-/* Of the crowd; one of the tests changes it. */
+/* Of the crowd; two of the tests change it. */
 static const char *motion = "velocity-verlet";
+static bool rigid;
 
 static void set_motion(struct calx_scene *s)
 {
@@ -82,15 +83,36 @@ static void set_motion(struct calx_scene *s)
             snprintf(s->models[0].list[k].plugin, sizeof s->models[0].list[k].plugin, "%s", motion);
 }
 
+/* Non-smooth laws and what conducts under them; the solver is left coarse, which must not matter. */
+static void set_rigid(struct calx_scene *s)
+{
+    for (int m = 0; m < 2; m++) {
+        scene_material_value(s, m, "young", 1e9);
+        scene_material_value(s, m, "poisson", 0.3);
+        scene_material_value(s, m, "adhesion", 1e-7);
+        scene_material_value(s, m, "adhesion-change", 5e-8);
+        scene_material_value(s, m, "transition-temperature", 350.0);
+    }
+    scene_model(s, CALX_CONTACT, "signorini-coulomb", (struct given[]){{"friction", 0.4}, {"restitution", 0.3}, {NULL, 0.0}});
+    scene_model1(s, CALX_CONTACT, "cohesion-thermal", "distance", 2e-5);
+    scene_model(s, CALX_MOTION, "nscd", (struct given[]){{"tolerance", 1e-2}, {"accuracy", 1e9}, {"order", 2.0}, {NULL, 0.0}});
+    s->models[0].dt = 5e-6;
+    scene_model(s, CALX_CONDUCTANCE, "hertz", NULL);
+}
+
 static struct calx_scene *crowd(const char *heat)
 {
     struct calx_scene *s = scene_create(3, CALX_SPHERES, GRAINS);
     scene_material(s, "other", 2000.0, 500.0);
     scene_material_value(s, 0, "conductivity", 50.0);
     scene_material_value(s, 1, "conductivity", 5.0);
-    scene_linear(s, 2e3, 0.7, 0.4, 5e-6);
-    set_motion(s);
-    scene_model(s, CALX_CONDUCTANCE, "overlap", NULL);
+    if (rigid) {
+        set_rigid(s);
+    } else {
+        scene_linear(s, 2e3, 0.7, 0.4, 5e-6);
+        set_motion(s);
+        scene_model(s, CALX_CONDUCTANCE, "overlap", NULL);
+    }
     scene_model(s, CALX_TEMPERATURE, heat, NULL);
     s->models[0].heat_dt = 2e-5;
     s->from_dissipation = 1.0;
@@ -134,7 +156,8 @@ static void has_everything(const struct run *r)
     ck_assert_int_ge(r->sim->rebuilds, LEAST_REBUILDS);
     ck_assert_uint_gt(calx_sim_contact_count(r->sim), GRAINS / 10);
     ck_assert(f.history && f.rotation && f.temperature && f.periodic && f.wall_contacts);
-    ck_assert_double_gt(r->sim->wall_force[1][1] * r->sim->wall_force[1][1], 0.0);
+    if (!rigid) /* impacts last one step: not in each of them */
+        ck_assert_double_gt(r->sim->wall_force[1][1] * r->sim->wall_force[1][1], 0.0);
 }
 
 static struct said run_with_threads(const char *heat, int threads)
@@ -382,6 +405,20 @@ START_TEST(resolved_contacts_change_nothing)
 }
 END_TEST
 
+/* Impulses go through a problem that all blocks share, and are kept with their contacts for the next step. */
+START_TEST(impulses_change_nothing)
+{
+    rigid = true;
+    struct said straight = run_with_threads("heat-theta", 2);
+    same_with_threads("heat-theta");
+    resumed(0, "heat-theta", &straight);
+    resumed(37, "heat-theta", &straight);
+    resumed(198, "heat-theta", &straight);
+    same_with_instruction_sets();
+    rigid = false;
+}
+END_TEST
+
 int main(void)
 {
     const TTest *tests[] = {a_restart_that_does_not_fit_is_refused,
@@ -391,6 +428,7 @@ int main(void)
                             looking_changes_nothing,
                             many_steps_at_once_change_nothing,
                             instruction_sets_agree,
-                            resolved_contacts_change_nothing};
+                            resolved_contacts_change_nothing,
+                            impulses_change_nothing};
     return run_tests("determinism", sizeof tests / sizeof *tests, tests);
 }

@@ -21,6 +21,7 @@ enum {
     LAW,
     FORCE,
     RESPONSE,
+    CONDITION,
     PROVIDES,
     HISTORY,
     TABLE,
@@ -78,7 +79,7 @@ static const struct calx_parameter parameters[] = {
                                        : offsetof(struct broken, b)},
 };
 
-#if FAULT == 29 /* UNDEFINED: a function that exists nowhere */
+#if FAULT == 30 /* UNDEFINED: a function that exists nowhere */
 void calx_test_missing_function(void);
 #define CALL_MISSING() calx_test_missing_function()
 #else
@@ -100,7 +101,8 @@ static void response(const void *params, const struct calx_contacts *b,
 static const struct calx_contact_law law = {.provides = FAULT == PROVIDES ? 0 : CALX_NORMAL,
                                             .demand = {.history_scalars = FAULT == HISTORY},
                                             .force = FAULT == FORCE ? NULL : force,
-                                            .response = FAULT == RESPONSE ? NULL : response};
+                                            .response = FAULT == RESPONSE ? NULL : response,
+                                            .nonsmooth = FAULT == CONDITION};
 
 #if FAULT == 2 /* SYMBOL: not exported */
 #define VISIBILITY "hidden"
