@@ -126,7 +126,7 @@ static int collect(struct drive *d, const struct calx_moments *at)
     s->lag = 0.0;
     d->walls = at->positions;
     CALX_TRY(calx_step_lists(s, d->e));
-    return calx_store_collect(s, s->dt, d->e);
+    return calx_store_collect(s, at->forces, s->dt, d->e);
 }
 
 static int contacts(void *engine, const struct calx_moments *at, struct calx_problem **problem)

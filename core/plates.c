@@ -3,6 +3,8 @@
  * Loaded plates: walls, or rigid groups, that are free along one axis and have a mass there: m du/dt = F + L + m g - c u, with the force F of
  * the grains, a load L and a damping c. Method: between two evaluations that are kept, at t and t + dt, a plate is where its acceleration
  * at t takes it, q + u dt + a dt^2/2; after the second, u gains (a + a') dt/2: velocity Verlet, whatever integrates the bodies, c implicit.
+ * Among rigid bodies a plate is one of those of the contact problem (store.c), and moves as they do: m (u' - u) = r + dt (L + m g - c (u + u')/2),
+ * q' = q + u (1 - theta) dt + u' theta dt.
  * Ledger: a plate's energies are among those of the bodies; the load works from outside; damping of the plate is dissipated, not heat.
  */
 #include <math.h>
@@ -34,19 +36,25 @@ static double weight_at(const struct calx_sim *s, const struct calx_motion *m, d
     return m->mass * calx_evaluate(&s->scene->stages[s->stage].gravity[m->free_axis], t, nowhere);
 }
 
+/* Between impulses there is none. */
+static double acceleration(const struct calx_sim *s, const struct calx_plate *p)
+{
+    return s->plan && s->plan->nonsmooth ? 0.0 : p->acceleration;
+}
+
 void calx_plates_place(const struct calx_sim *s, size_t wall, double t, double shift[3])
 {
     const struct calx_motion *m = motion_of(s, wall);
     const struct calx_plate *p = &s->plates[wall];
     double dt = t - p->time;
     if (m->free)
-        shift[m->free_axis] += p->shift + dt * (p->speed + 0.5 * dt * p->acceleration);
+        shift[m->free_axis] += p->shift + dt * (p->speed + 0.5 * dt * acceleration(s, p));
 }
 
 double calx_plates_speed(const struct calx_sim *s, size_t wall, double t)
 {
     const struct calx_plate *p = &s->plates[wall];
-    return p->speed + (t - p->time) * p->acceleration;
+    return p->speed + (t - p->time) * acceleration(s, p);
 }
 
 static void take(struct calx_sim *s, size_t wall, double t)
@@ -68,11 +76,53 @@ static void take(struct calx_sim *s, size_t wall, double t)
     s->poses[wall].speed[m->free_axis] = p->speed;
 }
 
+/* ---- among rigid bodies ---- */
+
+double calx_plates_expect(struct calx_sim *s, size_t wall, double t, double dt, double *speed)
+{
+    const struct calx_motion *m = motion_of(s, wall);
+    struct calx_plate *p = &s->plates[wall];
+    double mass = m->mass + 0.5 * dt * m->damping;
+    p->load = load_at(m, t);
+    *speed = ((m->mass - 0.5 * dt * m->damping) * p->speed + dt * (p->load + weight_at(s, m, t))) / mass;
+    return 1.0 / mass;
+}
+
+void calx_plates_settle(struct calx_sim *s, size_t wall, double speed)
+{
+    int axis = motion_of(s, wall)->free_axis;
+    struct calx_pose *pose = &s->poses[wall];
+    pose->past_speed[axis] = speed;
+    pose->speed[axis] = 0.5 * (s->plates[wall].speed + speed);
+}
+
+/* Walls are where contacts were looked for, with the mean speeds of the step. */
+static void take_settled(struct calx_sim *s, size_t wall)
+{
+    const struct calx_motion *m = motion_of(s, wall);
+    struct calx_plate *p = &s->plates[wall];
+    const struct calx_pose *pose = &s->poses[wall];
+    double first = s->evaluated - p->time, mean = pose->speed[m->free_axis], after = pose->past_speed[m->free_axis];
+    double way = first * p->speed + (s->dt - first) * after;
+    p->contact = s->wall_force[wall][m->free_axis];
+    p->power = p->contact * mean;
+    p->shift += way;
+    p->speed = after;
+    p->time += s->dt;
+    s->outside_work += p->load * way;
+    s->dissipated += s->dt * m->damping * mean * mean;
+}
+
 void calx_plates_take(struct calx_sim *s, double t)
 {
-    for (size_t w = 0; w < s->scene->wall_count; w++)
-        if (motion_of(s, w)->free)
+    for (size_t w = 0; w < s->scene->wall_count; w++) {
+        if (!motion_of(s, w)->free)
+            continue;
+        if (!s->plan->nonsmooth)
             take(s, w, t);
+        else if (s->delivering)
+            take_settled(s, w);
+    }
 }
 
 double calx_plates_power(const struct calx_sim *s)

@@ -329,7 +329,8 @@ struct calx_moments {
 };
 
 /* All contacts of the step, in an order that does not depend on threads; and the bodies in rows of eight, {vx, vy, vz, 1/m, wx, wy, wz, 1/I},
- * inverse mass and inertia 0 for those that are held or carried. Body i gets the impulse rn n + rt, at -lever[0] n from its centre, body j
+ * inverse mass and inertia 0 for those that are held or carried. Walls that are free along an axis are the last of the bodies: impulses move
+ * them along that axis only, and 1/m holds for it. Body i gets the impulse rn n + rt, at -lever[0] n from its centre, body j
  * the opposite, at lever[1] n from its own. Everything is 0 where it does not apply. The solver fills `velocity`, `normal_impulse` and
  * `impulse`. */
 struct calx_problem {
@@ -352,6 +353,8 @@ struct calx_problem {
     /* of the solution, for output: sweeps, or iterations, and the residual that is left; 0 at the start */
     double sweeps, residual;
     double gravity[3];            /* m/s2 */
+    size_t walls;                 /* so many of the bodies are walls, the last ones; they have no position */
+    const int8_t *axis;           /* of each of them: 0, 1, 2; -1: no impulse moves it */
 };
 
 /* The services of the engine to a global integrator, valid during advance. Later versions may add services at the end: look at

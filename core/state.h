@@ -439,6 +439,10 @@ void calx_plates_place(const struct calx_sim *, size_t wall, double t, double sh
 double calx_plates_speed(const struct calx_sim *, size_t wall, double t); /* m/s, expected */
 /* After an evaluation that is kept, at time t, when the forces on walls are known. */
 void calx_plates_take(struct calx_sim *, double t);
+/* Among rigid bodies: the speed after dt if no contact acts, gravity and load being those of time t; returns the inverse of the mass that impulses
+ * find, 1/kg. Then the speed that contacts leave it, to be known when it is taken. */
+double calx_plates_expect(struct calx_sim *, size_t wall, double t, double dt, double *speed);
+void calx_plates_settle(struct calx_sim *, size_t wall, double speed);
 double calx_plates_power(const struct calx_sim *); /* W: what grains give to plates, which the power of walls has as loss */
 double calx_plates_kinetic(const struct calx_sim *);
 double calx_plates_potential(const struct calx_sim *);
@@ -526,8 +530,8 @@ void calx_peak_look(struct calx_sim *);
 /* store.c: contacts of non-smooth laws. Collecting: before walls move, then at the present rows, lists being up to date; walls then have the
  * mean velocities of the step. */
 int calx_store_begin(struct calx_sim *, struct calx_error *);
-int calx_store_collect(struct calx_sim *, double dt, struct calx_error *);
-/* The work that each contact has dissipated, from what the solver left. */
+int calx_store_collect(struct calx_sim *, double forces, double dt, struct calx_error *); /* forces: s, the time whose loads act */
+/* The work that each contact has dissipated, and the speeds of plates, from what the solver left. */
 void calx_store_work(struct calx_sim *);
 struct calx_problem *calx_store_problem(struct calx_sim *);
 void calx_store_free(struct calx_sim *);

@@ -3,7 +3,8 @@
  * The contact problem of a step, for integrators that solve for impulses: all contacts of non-smooth laws in block order, and the
  * bodies with their velocities at the start of the step and, if no contact acted, at its end. After the solution: the work that each contact
  * has dissipated, -r.(u- + u+)/2, which is what the bodies lose, to round-off. Contacts are met again in the same order when their
- * impulses are delivered (evaluate.c).
+ * impulses are delivered (evaluate.c). Behind the rows of particles each wall has one: where it is free along an axis, what it carries and what
+ * touches it finds that body.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -34,6 +35,7 @@ struct calx_store {
     double *column[COLUMNS];
     double *before, *velocity; /* rows of eight */
     double (*speed)[3], (*spin)[3]; /* of walls at the start of the step */
+    int8_t *axis;                   /* along which walls are free, or -1 */
     bool failed;
 };
 
@@ -51,7 +53,8 @@ int calx_store_begin(struct calx_sim *s, struct calx_error *e)
             return no_memory(e);
         s->store->speed = calx_memory_zeroed(walls, sizeof *s->store->speed);
         s->store->spin = calx_memory_zeroed(walls, sizeof *s->store->spin);
-        if (!s->store->speed || !s->store->spin)
+        s->store->axis = calx_memory_zeroed(walls, sizeof *s->store->axis);
+        if (!s->store->speed || !s->store->spin || !s->store->axis)
             return no_memory(e);
     }
     for (size_t w = 0; w < walls; w++) {
@@ -85,10 +88,10 @@ static int grow(struct calx_store *t)
 /* Rows and blocks as they are now. */
 static int fit(struct calx_sim *s, struct calx_store *t)
 {
-    if (t->rows != s->r.rows) {
+    if (t->rows != s->r.rows + s->scene->wall_count) {
         free(t->before);
         free(t->velocity);
-        t->rows = s->r.rows;
+        t->rows = s->r.rows + s->scene->wall_count;
         t->before = calx_memory_zeroed(t->rows, 8 * sizeof(double));
         t->velocity = calx_memory_zeroed(t->rows, 8 * sizeof(double));
     }
@@ -131,12 +134,29 @@ static void fill_carried(const struct calx_sim *s, struct calx_store *t)
     }
 }
 
-static void fill_bodies(const struct calx_sim *s, struct calx_store *t, double dt)
+static void fill_plates(struct calx_sim *s, struct calx_store *t, double forces, double dt)
+{
+    for (size_t w = 0; w < s->scene->wall_count; w++) {
+        const struct calx_motion *m = &s->scene->stages[s->stage].motion[w];
+        double *before = t->before + 8 * (s->r.rows + w), *after = t->velocity + 8 * (s->r.rows + w);
+        t->axis[w] = m->free ? (int8_t)m->free_axis : -1;
+        memset(before, 0, 8 * sizeof *before);
+        memset(after, 0, 8 * sizeof *after);
+        if (!m->free)
+            continue;
+        memcpy(before, t->speed[w], sizeof t->speed[w]);
+        memcpy(after, s->poses[w].past_speed, sizeof s->poses[w].past_speed);
+        before[3] = after[3] = calx_plates_expect(s, w, forces, dt, &after[m->free_axis]);
+    }
+}
+
+static void fill_bodies(struct calx_sim *s, struct calx_store *t, double forces, double dt)
 {
     for (size_t b = 0; b < s->block_count; b++)
         for (int32_t row = s->blocks[b].first; row < s->blocks[b].first + s->blocks[b].own; row++)
             fill_row(s, t, row, dt);
     fill_carried(s, t);
+    fill_plates(s, t, forces, dt);
 }
 
 /* ---- contacts ---- */
@@ -157,9 +177,10 @@ static void take_wall(const struct collector *k, const struct calx_columns *c, s
         point[q] = x[q] - reach * c->normal[q][lane];
     calx_surface_velocity(t->speed[wall], t->spin[wall], point, before);
     calx_surface_velocity(pose->past_speed, pose->past_spin, point, after);
+    bool given = t->axis[wall] < 0;
     for (int q = 0; q < 3; q++) {
-        t->column[WALL_BEFORE + q][at] = before[q];
-        t->column[WALL_AFTER + q][at] = after[q];
+        t->column[WALL_BEFORE + q][at] = given ? before[q] : 0.0;
+        t->column[WALL_AFTER + q][at] = given ? after[q] : 0.0;
     }
     t->column[LEVER][at] = c->levers[lane];
     t->column[LEVER + 1][at] = 0.0;
@@ -175,9 +196,17 @@ static void take_pair(const struct collector *k, const struct calx_columns *c, s
     t->column[LEVER + 1][at] = 0.5 * (c->levers[lane] - excess);
 }
 
-static int32_t owner(const struct collector *k, int32_t row)
+static int32_t plate(const struct collector *k, int32_t wall, int32_t otherwise)
 {
-    return row < k->block->first + k->block->own ? row : k->s->r.source[row];
+    return wall >= 0 && k->t->axis[wall] >= 0 ? (int32_t)k->s->r.rows + wall : otherwise;
+}
+
+/* The row of the body that impulses move. */
+static int32_t body_of(const struct collector *k, int32_t row)
+{
+    const int32_t *carrier = k->s->scene->particles.carrier;
+    int32_t own = row < k->block->first + k->block->own ? row : k->s->r.source[row];
+    return carrier ? plate(k, carrier[k->s->r.id[own]], own) : own;
 }
 
 static void take(void *context, const struct calx_columns *c, size_t lane, int32_t row_i, int32_t row_j)
@@ -190,8 +219,8 @@ static void take(void *context, const struct calx_columns *c, size_t lane, int32
     if (t->failed || !(gap < p->gap))
         return;
     size_t at = t->n++;
-    t->body[0][at] = owner(k, row_i);
-    t->body[1][at] = row_j < 0 ? -1 : owner(k, row_j);
+    t->body[0][at] = body_of(k, row_i);
+    t->body[1][at] = row_j < 0 ? plate(k, -1 - row_j, -1) : body_of(k, row_j);
     if (row_j < 0)
         take_wall(k, c, lane, at, row_i, -1 - row_j);
     else
@@ -235,7 +264,7 @@ static void point_view(const struct calx_sim *s, struct calx_store *t, double dt
 {
     double **c = t->column;
     t->view = (struct calx_problem){
-        .size = sizeof t->view, .n = t->n, .bodies = s->r.rows, .dt = dt, .position = s->r.x, .before = t->before,
+        .size = sizeof t->view, .n = t->n, .bodies = t->rows, .walls = s->scene->wall_count, .axis = t->axis, .dt = dt, .position = s->r.x, .before = t->before,
         .velocity = t->velocity, .body = {t->body[0], t->body[1]}, .normal = {c[NORMAL], c[NORMAL + 1], c[NORMAL + 2]},
         .lever = {c[LEVER], c[LEVER + 1]}, .gap = c[GAP],
         .wall_before = {c[WALL_BEFORE], c[WALL_BEFORE + 1], c[WALL_BEFORE + 2]},
@@ -247,12 +276,12 @@ static void point_view(const struct calx_sim *s, struct calx_store *t, double dt
     t->solution = (struct calx_solution){{c[IMPULSE], c[IMPULSE + 1], c[IMPULSE + 2], c[IMPULSE + 3]}, c[WORK]};
 }
 
-int calx_store_collect(struct calx_sim *s, double dt, struct calx_error *e)
+int calx_store_collect(struct calx_sim *s, double forces, double dt, struct calx_error *e)
 {
     struct calx_store *t = s->store;
     if (fit(s, t))
         return no_memory(e);
-    fill_bodies(s, t, dt);
+    fill_bodies(s, t, forces, dt);
     take_contacts(s, t);
     if (t->failed)
         return no_memory(e);
@@ -290,6 +319,9 @@ void calx_store_work(struct calx_sim *s)
         }
         t->column[WORK][c] = work;
     }
+    for (size_t w = 0; w < s->scene->wall_count; w++)
+        if (t->axis[w] >= 0)
+            calx_plates_settle(s, w, t->velocity[8 * (s->r.rows + w) + (size_t)t->axis[w]]);
     s->sweeps = t->view.sweeps;
     s->residual = t->view.residual;
 }
@@ -318,7 +350,7 @@ void calx_store_free(struct calx_sim *s)
         return;
     for (size_t k = 0; k < COLUMNS; k++)
         free(t->column[k]);
-    void *all[] = {t->first, t->body[0], t->body[1], t->before, t->velocity, t->speed, t->spin, t};
+    void *all[] = {t->first, t->body[0], t->body[1], t->before, t->velocity, t->speed, t->spin, t->axis, t};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         free(all[k]);
 }

@@ -2,7 +2,7 @@
  *
  * The contact problem of a step: W r - v = -v_free with the conditions of all contacts, W = H^T M^-1 H. Non-smooth Gauss-Seidel sweeps
  * (Jean 1999) give contact after contact the impulse that its own condition asks for, all others being as they are, and its bodies the
- * velocity that follows; because a contact's own block of W is diagonal that impulse is exact. Or the accelerated descent of nscd-apgd.c.
+ * velocity that follows; where a contact's own block of W is diagonal that impulse is exact. Or the accelerated descent of nscd-apgd.c.
  *
  * The measure of what is left is the natural map of De Saxce (Acary and Brogliato, Numerical Methods for Nonsmooth Dynamical Systems (2008),
  * ch. 13). It must be small against the impulses, and against those that would stop the bodies as they approach freely: under a heavy body
@@ -72,13 +72,45 @@ static int set_bias(struct nscd_contact *c, const struct calx_problem *q, size_t
     return c->inverse[0] > 0 && (touch || !bounces);
 }
 
+/* Adds what a body gives to the diagonal. One that is free along an axis with the components n and t of the contact gives n^2, n t, t^2 times
+ * 1/m: a diagonal of n^2 + |n t| and t^2 + |n t| is nowhere less. */
+static void weigh_body(struct nscd_contact *c, const double *v, int b)
+{
+    double turning = v[7] * c->lever[b] * c->lever[b];
+    if (c->axis[b] < 0) {
+        c->w[0] += v[3];
+        c->w[1] += v[3] + turning;
+        return;
+    }
+    double n = fabs(c->n[c->axis[b]]), t = c->mu > 0 ? sqrt(fmax(0, 1 - n * n)) : 0;
+    c->w[0] += v[3] * n * (n + t);
+    c->w[1] += v[3] * t * (n + t) + turning;
+}
+
 static void weigh(struct nscd_contact *c, const double *v)
 {
-    const double *vi = v + 8 * (size_t)c->i, *vj = c->j < 0 ? NULL : v + 8 * (size_t)c->j;
-    c->w[0] = vi[3] + (vj ? vj[3] : 0);
-    c->w[1] = c->w[0] + vi[7] * c->lever[0] * c->lever[0] + (vj ? vj[7] * c->lever[1] * c->lever[1] : 0);
+    weigh_body(c, v + 8 * (size_t)c->i, 0);
+    if (c->j >= 0)
+        weigh_body(c, v + 8 * (size_t)c->j, 1);
     for (int k = 0; k < 2; k++)
         c->inverse[k] = c->w[k] > 0 ? 1 / c->w[k] : 0;
+}
+
+static int8_t axis_of(const struct calx_problem *q, int32_t row)
+{
+    size_t particles = q->bodies - q->walls;
+    return row < 0 || (size_t)row < particles ? -1 : q->axis[(size_t)row - particles];
+}
+
+/* Of the contact point, against gravity, from a body that has a place. */
+static double height(const struct nscd_contact *c, const struct calx_problem *q)
+{
+    int b = c->axis[0] < 0 ? 0 : 1;
+    int32_t row = b ? c->j : c->i;
+    double sum = 0;
+    for (size_t d = 0; d < 3 && row >= 0 && c->axis[b] < 0; d++)
+        sum -= q->gravity[d] * (q->position[4 * (size_t)row + d] + (b ? 1 : -1) * c->lever[b] * c->n[d]);
+    return sum;
 }
 
 /* Contact k of the problem; returns whether an impulse may act. */
@@ -90,8 +122,10 @@ static int fill(struct nscd_contact *c, const struct nscd *p, const struct calx_
     for (int d = 0; d < 3; d++) {
         c->n[d] = q->normal[d][k];
         c->wall[d] = q->wall_after[d][k];
-        c->height -= q->gravity[d] * (q->position[4 * (size_t)c->i + (size_t)d] - c->lever[0] * c->n[d]);
     }
+    c->axis[0] = axis_of(q, c->i);
+    c->axis[1] = axis_of(q, c->j);
+    c->height = height(c, q);
     weigh(c, q->velocity);
     c->pull = c->inverse[0] > 0 ? q->pull[k] * q->dt : 0;
     if (!set_bias(c, q, k))

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * What the files of the integrator nscd share: its parameters, and the contacts of the problem that is being solved. The lever of a contact of
- * spheres is along the normal, so its own block of W = H^T M^-1 H is diagonal: w_n, w_t, w_t.
+ * spheres is along the normal, so its own block of W = H^T M^-1 H is diagonal: w_n, w_t, w_t. Where a wall that is free along an axis is
+ * one of the bodies and the normal is oblique to that, the diagonal is one that is nowhere less than the block.
  * With a pull the law is Signorini's for r_n + pull h (Renouf et al.): that is what r_n means here.
  */
 #ifndef CALX_PLUGINS_NSCD_H
@@ -22,6 +23,7 @@ struct nscd_contact {
     double pull;         /* N s */
     double wall[3];      /* m/s */
     int32_t i, j;        /* rows; j < 0: a wall */
+    int8_t axis[2];      /* of body i, j: along which alone impulses move it; -1: along all */
     double height;
     size_t index;        /* in the problem */
 };
@@ -76,6 +78,14 @@ static inline double nscd_relative(const struct nscd_contact *c, const double *v
     return un;
 }
 
+/* Adds the impulse, or its opposite, to a body that may be free along one axis only. */
+static inline void nscd_push_along(double *v, int axis, const double r[3], double sign)
+{
+    for (int k = 0; k < 3; k++)
+        if (axis < 0 || axis == k)
+            v[k] += sign * v[3] * r[k];
+}
+
 /* Adds the impulse rn n + rt to body i, the opposite to j. */
 static inline void nscd_push(const struct nscd_contact *c, double *v, double rn, const double rt[3])
 {
@@ -83,6 +93,17 @@ static inline void nscd_push(const struct nscd_contact *c, double *v, double rn,
     for (int k = 0; k < 3; k++) {
         r[k] = rn * c->n[k] + rt[k];
         twist[k] = c->n[(k + 1) % 3] * rt[(k + 2) % 3] - c->n[(k + 2) % 3] * rt[(k + 1) % 3];
+    }
+    if (c->axis[0] >= 0 || c->axis[1] >= 0) {
+        nscd_push_along(vi, c->axis[0], r, 1);
+        if (vj)
+            nscd_push_along(vj, c->axis[1], r, -1);
+        for (int k = 0; k < 3; k++) { /* a wall does not turn */
+            vi[4 + k] -= vi[7] * c->lever[0] * twist[k];
+            if (vj)
+                vj[4 + k] -= vj[7] * c->lever[1] * twist[k];
+        }
+        return;
     }
     for (int k = 0; k < 3; k++) {
         vi[k] += vi[3] * r[k];

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * Loaded plates, as walls and as rigid groups: free fall, the oscillation of a plate on springs with its second order, equilibrium under a
- * load, damping, the ledger, stages that let go and hold, floors that bear load and weights, the longest stable step, equal bits.
+ * load, damping, the ledger, stages that let go and hold, floors that bear load and weights, the longest stable step, equal bits. And plates among
+ * rigid bodies, where they are bodies of the contact problem.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -371,6 +372,133 @@ START_TEST(the_same_bits)
 }
 END_TEST
 
+/* ---- among rigid bodies ---- */
+
+static const double ROUND_OFF = 1e-12; /* a few hundred operations */
+
+static void rigid(struct calx_scene *s, double friction, double restitution, double dt, const struct given *solver)
+{
+    scene_model(s, CALX_CONTACT, "signorini-coulomb",
+                (struct given[]){{"friction", friction}, {"restitution", restitution}, {NULL, 0.0}});
+    scene_model(s, CALX_MOTION, "nscd", solver);
+    s->models[0].dt = dt;
+}
+
+static const struct given strict[] = {{"tolerance", 1e-13}, {"accuracy", 1e-13}, {NULL, 0.0}};
+
+/* Under weight, load and damping with c: u' = a - (c/m) u, by the midpoint in each step; the way is that of the mean speed. */
+START_TEST(a_plate_falls_among_rigid_bodies)
+{
+    enum { STEPS = 100 };
+    static const double DT = 1e-3, C = 30.0, LOAD = 3.0;
+    for (int group = 0; group < 2; group++) {
+        struct calx_scene *s = scene_create(3, CALX_SPHERES, 2);
+        scene_put(s, 0, 0.0, 0.0, -40.0, 1.0);
+        scene_put(s, 1, 0.0, 0.0, group ? 31.0 : -20.0, 1.0);
+        int plate = group ? scene_group(s, "plate") : scene_wall(s, "plate", 0);
+        if (group)
+            scene_carry(s, 1, plate);
+        else
+            scene_plane(s, plate, (double[3]){0, 0, 30}, (double[3]){0, 0, -1});
+        scene_gravity(s, 0.0, 0.0, -G);
+        release(s, plate, 2, MASS, LOAD)->damping = C;
+        rigid(s, 0.0, 0.0, DT, NULL);
+        struct run r = run_start(s, 1);
+        run_steps(&r, STEPS);
+        double u = 0.0, way = 0.0, half = 0.5 * DT * C / MASS;
+        for (int k = 0; k < STEPS; k++) {
+            double before = u;
+            u = ((1.0 - half) * u + DT * (LOAD / MASS - G)) / (1.0 + half);
+            way += 0.5 * DT * (before + u);
+        }
+        const struct calx_frame *f = calx_measure_frame(r.sim);
+        ck_assert_double_eq_tol(f->velocity_of_wall[plate][2], u, ROUND_OFF);
+        ck_assert_double_eq_tol(f->displacement_of_wall[plate][2], way, ROUND_OFF);
+        if (group)
+            ck_assert_double_eq_tol(f->position[1][2], 31.0 + way, 31.0 * ROUND_OFF);
+        struct calx_ledger l = calx_sim_ledger(r.sim);
+        ck_assert_double_eq_tol(l.gravity_work, LOAD * way, ROUND_OFF);
+        ck_assert_double_gt(l.dissipated, 0.0);
+        ck_assert_double_lt(fabs(l.residual), ROUND_OFF * l.scale);
+        run_free(&r);
+    }
+}
+END_TEST
+
+/* A plate presses three grains on a floor, a wall or a group, whatever the solver and its order: floor and plate bear what is above them. */
+START_TEST(a_plate_presses_rigid_grains)
+{
+    static const double LOAD = -5e4;
+    static const struct given solvers[][4] = {{{"tolerance", 1e-13}, {"accuracy", 1e-13}, {NULL, 0.0}},
+                                              {{"tolerance", 1e-13}, {"accuracy", 1e-13}, {"solver", 1.0}, {NULL, 0.0}},
+                                              {{"tolerance", 1e-13}, {"accuracy", 1e-13}, {"order", 1.0}, {NULL, 0.0}},
+                                              {{"tolerance", 1e-13}, {"accuracy", 1e-13}, {"order", 2.0}, {NULL, 0.0}}};
+    for (size_t k = 0; k < sizeof solvers / sizeof *solvers; k++)
+        for (int group = 0; group < 2; group++) {
+            struct calx_scene *s = scene_create(3, CALX_SPHERES, 4);
+            for (size_t i = 0; i < 4; i++)
+                scene_put(s, i, 0.0, 0.0, 2.0 * (double)i + 1.0, 1.0);
+            int floor = scene_wall(s, "floor", 0), plate = group ? scene_group(s, "plate") : scene_wall(s, "plate", 0);
+            scene_plane(s, floor, (double[3]){0, 0, 0}, (double[3]){0, 0, 1});
+            if (group)
+                scene_carry(s, 3, plate);
+            else
+                scene_plane(s, plate, (double[3]){0, 0, 8}, (double[3]){0, 0, -1});
+            scene_gravity(s, 0.0, 0.0, -G);
+            release(s, plate, 2, MASS, LOAD);
+            rigid(s, 0.3, 0.0, 1e-3, solvers[k]);
+            struct run r = run_start(s, 1);
+            run_steps(&r, 50);
+            double on_plate = MASS * G - LOAD, on_floor = on_plate;
+            for (int64_t i = 0; i < (group ? 3 : 4); i++)
+                on_floor += run_mass(&r, i) * G;
+            const struct calx_frame *f = calx_measure_frame(r.sim);
+            ck_assert_double_eq_tol(f->force_on_wall[plate][2], on_plate, 1e-9 * on_floor);
+            ck_assert_double_eq_tol(f->force_on_wall[floor][2], -on_floor, 1e-9 * on_floor);
+            ck_assert_double_eq_tol(f->velocity_of_wall[plate][2], 0.0, 1e-9);
+            struct calx_ledger l = calx_sim_ledger(r.sim);
+            ck_assert_double_eq_tol(l.wall_work, 0.0, ROUND_OFF);
+            run_free(&r);
+        }
+}
+END_TEST
+
+/* A plate whose one grain meets a free one obliquely, without friction: it keeps to its axis, the free one is pushed along the normal n, so with the
+ * masses M, m the impulse is (1 + e) V n_z/(n_z^2/M + 1/m). The two meet up to a step late, so that n is off by V dt/2R. */
+START_TEST(a_plate_hits_obliquely)
+{
+    static const double V = 1.0, DT = 1e-3, M = 1e3, restitutions[] = {0.0, 0.5, 1.0};
+    static const double n[3] = {0.6, 0.0, -0.8}; /* from the plate's grain to the other */
+    for (size_t k = 0; k < sizeof restitutions / sizeof *restitutions; k++) {
+        double e = restitutions[k];
+        struct calx_scene *s = scene_create(3, CALX_SPHERES, 2);
+        scene_put(s, 0, 0.0, 0.0, 0.0, 1.0);
+        scene_put(s, 1, -2.0 * n[0], 0.0, -2.0 * n[2] + 0.01, 1.0);
+        int plate = scene_group(s, "plate");
+        scene_carry(s, 1, plate);
+        rigid(s, 0.0, e, DT, strict);
+        scene_stage(s);
+        s->stages[0].duration = DT;
+        s->stages[0].motion[plate].moves = true;
+        s->stages[0].motion[plate].velocity[2].value = -V;
+        release(s, plate, 2, M, 0.0)->moves = true;
+        struct run r = run_start(s, 1);
+        run_steps(&r, 50);
+        double m = run_mass(&r, 0), impulse = (1.0 + e) * V * fabs(n[2]) / (n[2] * n[2] / M + 1.0 / m);
+        double speed = r.sim->plates[plate].speed;
+        const double *v = run_v(&r, 0);
+        ck_assert_double_eq_tol(v[0], impulse * n[0] / m, 2e-3 * V);
+        ck_assert_double_eq_tol(v[2], impulse * n[2] / m, 2e-3 * V);
+        ck_assert_double_eq_tol(M * (speed + V) + m * v[2], 0.0, ROUND_OFF * M * V);
+        struct calx_ledger l = calx_sim_ledger(r.sim);
+        double lost = 0.5 * (1.0 - e * e) * V * V * n[2] * n[2] / (n[2] * n[2] / M + 1.0 / m);
+        ck_assert_double_eq_tol(l.dissipated, lost, 2e-3 * M * V * V);
+        ck_assert_double_lt(fabs(l.residual), ROUND_OFF * l.scale);
+        run_free(&r);
+    }
+}
+END_TEST
+
 int main(void)
 {
     const TTest *tests[] = {a_plate_falls,
@@ -383,6 +511,9 @@ int main(void)
                             a_light_plate_shortens_the_step,
                             a_step_too_long_for_a_plate_is_refused,
                             the_bound_holds_for_grains_under_a_plate,
-                            the_same_bits};
+                            the_same_bits,
+                            a_plate_falls_among_rigid_bodies,
+                            a_plate_presses_rigid_grains,
+                            a_plate_hits_obliquely};
     return run_tests("plates", sizeof tests / sizeof *tests, tests);
 }
