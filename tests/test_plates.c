@@ -499,6 +499,46 @@ START_TEST(a_plate_hits_obliquely)
 }
 END_TEST
 
+/* The same bits of a plate among rigid grains with any number of threads and after a restart. */
+START_TEST(the_same_bits_among_rigid_bodies)
+{
+    enum { STEPS = 150, GRAINS = 12, PLATE = 4 };
+    static const struct given coloured[] = {{"order", 2.0}, {NULL, 0.0}};
+    struct calx_scene *s = scene_create(2, CALX_DISCS, GRAINS + PLATE);
+    for (size_t i = 0; i < GRAINS; i++)
+        scene_put(s, i, 2.1 * (double)(i % 4) + 0.3 * (double)(i / 4), 1.0 + 2.0 * (double)(i / 4), 0.0, 1.0);
+    int floor = scene_wall(s, "floor", 0), plate = scene_group(s, "plate");
+    scene_plane(s, floor, (double[3]){0, 0, 0}, (double[3]){0, 1, 0});
+    for (size_t i = GRAINS; i < GRAINS + PLATE; i++) {
+        scene_put(s, i, 2.2 * (double)(i - GRAINS), 7.5, 0.0, 1.0);
+        scene_carry(s, i, plate);
+    }
+    scene_gravity(s, 0.0, -G, 0.0);
+    release(s, plate, 1, 1e3, -1e5)->moves = true;
+    scene_motion(s, 0, plate)->velocity[0].value = 0.5;
+    rigid(s, 0.3, 0.0, 1e-3, coloured);
+    struct calx_block *blocks;
+    size_t count;
+    struct calx_error e;
+    struct run first = run_start(s, 1), two = run_again(&first, 2), broken = run_again(&first, 1), resumed = run_again(&first, 2);
+    run_steps(&first, STEPS);
+    run_steps(&two, STEPS);
+    run_steps(&broken, STEPS / 3);
+    ck_assert_int_eq(calx_sim_save(broken.sim, &blocks, &count, &e), 0);
+    ck_assert_int_eq(calx_sim_restore(resumed.sim, blocks, count, &e), 0);
+    free(blocks);
+    run_steps(&resumed, STEPS - STEPS / 3);
+    ck_assert_double_ne(first.sim->plates[plate].speed, 0.0);
+    ck_assert_double_gt(first.sim->wall_force[plate][1], 0.0);
+    ck_assert_uint_eq(calx_sim_hash(two.sim), calx_sim_hash(first.sim));
+    ck_assert_uint_eq(calx_sim_hash(resumed.sim), calx_sim_hash(first.sim));
+    run_free(&two);
+    run_free(&broken);
+    run_free(&resumed);
+    run_free(&first);
+}
+END_TEST
+
 int main(void)
 {
     const TTest *tests[] = {a_plate_falls,
@@ -514,6 +554,7 @@ int main(void)
                             the_same_bits,
                             a_plate_falls_among_rigid_bodies,
                             a_plate_presses_rigid_grains,
+                            the_same_bits_among_rigid_bodies,
                             a_plate_hits_obliquely};
     return run_tests("plates", sizeof tests / sizeof *tests, tests);
 }
