@@ -15,9 +15,11 @@ static void place_of(const struct calx_sim *s, const struct calx_row_block *b, i
 {
     bool ghost = row >= b->first + b->own;
     const double *from = calx_row_x(s, ghost ? s->r.source[row] : row);
-    int turns = ghost && s->r.shift ? s->r.shift[row] : CALX_NO_SHIFT;
-    for (int k = 0; k < 3; k++, turns /= 3)
-        x[k] = from[k] + (turns % 3 == 1 ? 0.0 : (turns % 3 - 1) * (s->scene->high[k] - s->scene->low[k]));
+    int shift = ghost && s->r.shift ? s->r.shift[row] : CALX_NO_SHIFT;
+    for (int k = 0; k < 3; k++) {
+        int turns = calx_shift_turns(shift, k);
+        x[k] = from[k] + (turns ? turns * (s->scene->high[k] - s->scene->low[k]) : 0.0);
+    }
 }
 
 static double gap_of(const struct calx_sim *s, const struct calx_row_block *b, uint32_t i, uint32_t j)

@@ -17,8 +17,8 @@ struct kind {
 
 static struct kind kind_of(const struct calx_scene *scene, size_t m)
 {
-    struct kind k = {INFINITY, INFINITY, calx_plan_material_value(scene, m, "young"),
-                     calx_plan_material_value(scene, m, "poisson")};
+    struct kind k = {INFINITY, INFINITY, calx_scene_material_value(scene, m, "young"),
+                     calx_scene_material_value(scene, m, "poisson")};
     for (size_t i = 0; i < scene->particles.count; i++)
         if ((size_t)scene->particles.material[i] == m)
             k.radius = fmin(k.radius, scene->particles.radius[i]);

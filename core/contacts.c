@@ -40,10 +40,11 @@ static void find_images(const struct calx_sim *s, struct images *m)
 {
     const struct calx_scene *scene = s->scene;
     for (int k = 0; s->r.shift && k < 27; k++) {
-        const int turns[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
         m->shift[k] = (calx_v4){0};
-        for (int axis = 0; axis < 3; axis++)
-            m->shift[k][axis] = turns[axis] ? turns[axis] * (scene->high[axis] - scene->low[axis]) : 0.0;
+        for (int axis = 0; axis < 3; axis++) {
+            int turns = calx_shift_turns(k, axis);
+            m->shift[k][axis] = turns ? turns * (scene->high[axis] - scene->low[axis]) : 0.0;
+        }
     }
 }
 

@@ -132,7 +132,7 @@ struct biot {
 static void take_biot(void *context, const struct calx_columns *c, size_t lane, int32_t row_i, int32_t row_j)
 {
     struct biot *b = context;
-    double k = calx_plan_material_value(b->s->scene, (size_t)b->s->r.material[row_i], "conductivity");
+    double k = calx_scene_material_value(b->s->scene, (size_t)b->s->r.material[row_i], "conductivity");
     double bi = c->conductance[lane] * c->curvature[0][lane] / (M_PI * k);
     (void)row_j;
     b->largest = bi > b->largest ? bi : b->largest;

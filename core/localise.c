@@ -103,12 +103,11 @@ struct raw_pair {
 static enum calx_nearness nearness_of(const struct calx_rebuild *r, const struct calx_found *f, int64_t kept)
 {
     const struct calx_sim *s = r->sim;
-    static const int weight[3] = {1, 3, 9};
     const double *a = r->x + 4 * (size_t)f->i, *b = r->x + 4 * (size_t)f->j;
     double d2 = 0.0, reach = a[3] + b[3] + s->plan->gap, close = reach + CALX_CLOSE_SHARE * s->skin,
            soon = reach + CALX_INNER_SHARE * s->skin;
     for (int k = 0; k < 3; k++) {
-        int turns = f->shift / weight[k] % 3 - 1;
+        int turns = calx_shift_turns(f->shift, k);
         double d = a[k] - b[k] - turns * (s->scene->high[k] - s->scene->low[k]);
         d2 += d * d;
     }

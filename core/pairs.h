@@ -18,6 +18,13 @@ struct calx_found {
 
 enum { CALX_NO_SHIFT = 13 };
 
+/* How many periods along an axis a packed shift goes: -1, 0 or 1. */
+static inline int calx_shift_turns(int shift, int axis)
+{
+    static const int weight[3] = {1, 3, 9};
+    return shift / weight[axis] % 3 - 1;
+}
+
 /* The pairs that belong to one block of consecutive particles: those whose i is in it. */
 struct calx_found_list {
     struct calx_found *list;

@@ -9,19 +9,6 @@
 
 #include "core/state.h"
 
-double calx_plan_material_value(const struct calx_scene *scene, size_t m, const char *name)
-{
-    const struct calx_material *material = &scene->materials[m];
-    if (!strcmp(name, "density"))
-        return material->density;
-    if (!strcmp(name, "specific-heat"))
-        return material->specific_heat;
-    for (size_t k = 0; k < material->value_count; k++)
-        if (!strcmp(material->values[k].name, name))
-            return material->values[k].value;
-    return NAN;
-}
-
 static struct calx_setup setup_of(const struct calx_scene *scene, const struct calx_plan *p)
 {
     return (struct calx_setup){.size = sizeof(struct calx_setup), .dimension = scene->dimension,
@@ -59,7 +46,7 @@ static int fill_params(const struct calx_scene *scene, const struct calx_model *
         for (size_t k = 0; k < fields; k++) {
             int material = k ? b : a;
             if (row->scope == CALX_MATERIAL)
-                field[k] = calx_plan_material_value(scene, (size_t)material, row->name);
+                field[k] = calx_scene_material_value(scene, (size_t)material, row->name);
             if (isnan(field[k]) && row->scope == CALX_MATERIAL && !(row->flags & (CALX_OPTIONAL | CALX_REQUIRED)))
                 field[k] = row->initial;
             if (isnan(field[k]) && row->flags & CALX_REQUIRED)

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * The life of a scene: created empty, filled by a reader, freed with everything it owns. Finds
- * materials and walls by name.
+ * materials, their values and walls by name.
  */
 #include "core/scene.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -104,4 +105,25 @@ int calx_scene_wall(const struct calx_scene *scene, const char *name)
         if (strcmp(scene->walls[k].name, name) == 0)
             return (int)k;
     return -1;
+}
+
+double calx_scene_material_value(const struct calx_scene *scene, size_t m, const char *name)
+{
+    const struct calx_material *material = &scene->materials[m];
+    if (!strcmp(name, "density"))
+        return material->density;
+    if (!strcmp(name, "specific-heat"))
+        return material->specific_heat;
+    for (size_t k = 0; k < material->value_count; k++)
+        if (!strcmp(material->values[k].name, name))
+            return material->values[k].value;
+    return NAN;
+}
+
+double calx_scene_depth(const struct calx_scene *scene)
+{
+    double largest = 0.0;
+    for (size_t i = 0; i < scene->particles.count; i++)
+        largest = fmax(largest, scene->particles.radius[i]);
+    return scene->bodies == CALX_DISCS ? scene->thickness : 2.0 * largest;
 }

@@ -274,4 +274,10 @@ int calx_scene_attach(struct calx_scene *, void *what, void (*release)(void *));
 int calx_scene_material(const struct calx_scene *, const char *name);
 int calx_scene_wall(const struct calx_scene *, const char *name);
 
+/* What the case says of a material under that name, in SI; NaN if nothing. */
+double calx_scene_material_value(const struct calx_scene *, size_t material, const char *name);
+
+/* How deep the plane is in which the bodies of a 2D scene move, m: as discs are long, or as the largest sphere is thick. */
+double calx_scene_depth(const struct calx_scene *);
+
 #endif

@@ -385,7 +385,6 @@ static inline size_t calx_plan_pair_type(size_t materials, size_t a, size_t b)
 {
     return a <= b ? a * materials + b : b * materials + a;
 }
-double calx_plan_material_value(const struct calx_scene *, size_t material, const char *name);
 
 /* critical.c: the largest stable step of a plan, from the stiffest pair of bodies. */
 int calx_critical_step(struct calx_sim *, struct calx_plan *, struct calx_error *);

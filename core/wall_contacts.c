@@ -336,7 +336,7 @@ void CALX_ISA(calx_heat_shares)(const struct calx_sim *s, size_t material_i, siz
     for (int k = 0; k < 2 && s->scene->split_effusivity; k++) {
         const struct calx_material *material = &s->scene->materials[m[k]];
         e[k] = sqrt(material->density * material->specific_heat *
-                    calx_plan_material_value(s->scene, m[k], "conductivity"));
+                    calx_scene_material_value(s->scene, m[k], "conductivity"));
     }
     share[0] = f * e[0] / (e[0] + e[1]);
     share[1] = f - share[0];

@@ -29,15 +29,6 @@ static void read_range(struct calx_reader *r, const xmlNode *node, struct calx_p
                        p->high[p->axis]);
 }
 
-/* The depth of the plane in which 2D bodies move. */
-static double depth_of(const struct calx_scene *scene)
-{
-    double largest = 0.0;
-    for (size_t i = 0; i < scene->particles.count; i++)
-        largest = fmax(largest, scene->particles.radius[i]);
-    return scene->bodies == CALX_DISCS ? scene->thickness : 2.0 * largest;
-}
-
 static void set_across(struct calx_profile *p, int axis, double middle, double length)
 {
     p->low[axis] = middle - 0.5 * length;
@@ -65,7 +56,7 @@ static void read_across(struct calx_reader *r, const xmlNode *node, struct calx_
             calx_case_fail(r, node, NULL, "attribute 'across' is missing: the domain has no extent along %c", axis_names[k]);
     }
     if (scene->dimension == 2)
-        set_across(p, 2, 0.0, depth_of(scene));
+        set_across(p, 2, 0.0, calx_scene_depth(scene));
 }
 
 static void read_times(struct calx_reader *r, const xmlNode *node, struct calx_profile *p)

@@ -12,13 +12,10 @@
 static bool read_extent(struct calx_reader *r, const xmlNode *node, int axis, double *low, double *length)
 {
     const struct calx_scene *scene = r->scene;
-    double largest = 0.0;
-    for (size_t i = 0; i < scene->particles.count; i++)
-        largest = fmax(largest, scene->particles.radius[i]);
     *low = scene->low[axis];
     *length = scene->high[axis] - scene->low[axis];
     if (axis == 2 && scene->dimension == 2) {
-        *length = scene->bodies == CALX_DISCS ? scene->thickness : 2.0 * largest;
+        *length = calx_scene_depth(scene);
         *low = -0.5 * *length;
     } else if (!scene->bounded[axis]) {
         calx_case_fail(r, node, NULL, "the domain has no extent along %c, expected one: it is that of the slab", "xyz"[axis]);
@@ -79,21 +76,13 @@ static bool behind_plane(struct calx_reader *r, const xmlNode *node, const struc
     return true;
 }
 
-static double conductivity_of(const struct calx_material *m)
-{
-    for (size_t k = 0; k < m->value_count; k++)
-        if (strcmp(m->values[k].name, "conductivity") == 0)
-            return m->values[k].value;
-    return NAN;
-}
-
 static void read_material(struct calx_reader *r, const xmlNode *node, const struct calx_wall *wall, struct calx_slab *b)
 {
     if (wall->material < 0)
         return;
     const struct calx_material *m = &r->scene->materials[wall->material];
     const char *const names[] = {"density", "specific-heat", "conductivity"};
-    b->conductivity = conductivity_of(m);
+    b->conductivity = calx_scene_material_value(r->scene, (size_t)wall->material, "conductivity");
     b->capacity = m->density * m->specific_heat;
     const double values[] = {m->density, m->specific_heat, b->conductivity};
     for (int k = 0; k < 3; k++)
