@@ -16,7 +16,7 @@
 #define CALX_PASTE(a, b) CALX_PASTE_(a, b)
 #define CALX_ISA(name) CALX_PASTE(name, CALX_ISA_NAME)
 
-typedef double calx_column[CALX_BATCH];
+typedef double calx_column[CALX_BATCH] __attribute__((aligned(64)));
 
 struct calx_changes;
 
@@ -46,8 +46,8 @@ struct calx_columns {
     calx_column damping; /* of normal laws, N s/m, then their work, J: see onset.c; */
     double centre;       /* s: the step, 0 if there is none */
     const struct calx_changes *begun; /* what has begun in it */
-    size_t n;                                        /* last, so that every column is aligned */
-} __attribute__((aligned(64)));
+    size_t n;
+};
 
 /* ---- evaluate.c ---- */
 

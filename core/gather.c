@@ -29,10 +29,11 @@ static struct constants constants_of(const struct calx_block_view *b)
 /* One number of each of eight rows. */
 CALX_INLINE calx_v8 pick(const double *rows, size_t stride, const uint32_t *place, size_t lane)
 {
-    calx_v8 v;
-    for (int k = 0; k < 8; k++)
-        v[k] = calx_place_row(rows, stride, place[k])[lane];
-    return v;
+    calx_v4 half[2];
+    for (int k = 0; k < 2; k++, place += 4)
+        half[k] = (calx_v4){calx_place_row(rows, stride, place[0])[lane], calx_place_row(rows, stride, place[1])[lane],
+                            calx_place_row(rows, stride, place[2])[lane], calx_place_row(rows, stride, place[3])[lane]};
+    return calx_v8_join(half[0], half[1]);
 }
 
 /* Vectors of a plane: the third column is 0 and stays. */

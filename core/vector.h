@@ -57,9 +57,36 @@ static inline void calx_v8_store(double *p, calx_v8 v)
 
 static inline calx_v8 calx_v8_join(calx_v4 first, calx_v4 second)
 {
-    return __builtin_shufflevector(first, second, 0, 1, 2, 3, 4, 5, 6, 7);
+    calx_v8 v;
+    memcpy(&v, &first, sizeof first);
+    memcpy((double *)&v + 4, &second, sizeof second);
+    return v;
 }
 
+#if !defined(__AVX512F__)
+/* Without registers of eight doubles the compiler picks and compares lanes of eight one by one: here that is done in pieces that fit. */
+#if defined(__AVX__)
+enum { CALX_PIECE = 4 };
+#else
+enum { CALX_PIECE = 2 };
+#endif
+typedef double calx_piece __attribute__((vector_size(8 * CALX_PIECE)));
+typedef int64_t calx_piece_bits __attribute__((vector_size(8 * CALX_PIECE)));
+
+static inline calx_piece calx_v8_piece(const calx_v8 *v, int which)
+{
+    calx_piece piece;
+    memcpy(&piece, (const double *)v + CALX_PIECE * which, sizeof piece);
+    return piece;
+}
+
+static inline void calx_v8_set_piece(calx_v8 *v, int which, calx_piece piece)
+{
+    memcpy((double *)v + CALX_PIECE * which, &piece, sizeof piece);
+}
+#endif
+
+#if defined(__AVX512F__)
 /* Eight rows of four become four columns of eight. */
 static inline void calx_rows_to_columns(const calx_v4 r[8], calx_v8 column[4])
 {
@@ -119,6 +146,66 @@ static inline void calx_transpose8(calx_v8 r[8])
             r[q + 2 * odd + 4] = __builtin_shufflevector(first, second, 2, 3, 6, 7, 10, 11, 14, 15);
         }
 }
+#else
+
+static inline calx_v4 calx_v8_half(const calx_v8 *v, int which)
+{
+    calx_v4 half;
+    memcpy(&half, (const double *)v + 4 * which, sizeof half);
+    return half;
+}
+
+static inline void calx_v8_set_half(calx_v8 *v, int which, calx_v4 half)
+{
+    memcpy((double *)v + 4 * which, &half, sizeof half);
+}
+
+/* Rows become columns, columns rows. */
+static inline void calx_transpose4(calx_v4 r[4])
+{
+    calx_v4 ab0 = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6), ab1 = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7);
+    calx_v4 cd0 = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6), cd1 = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
+    r[0] = __builtin_shufflevector(ab0, cd0, 0, 1, 4, 5);
+    r[1] = __builtin_shufflevector(ab1, cd1, 0, 1, 4, 5);
+    r[2] = __builtin_shufflevector(ab0, cd0, 2, 3, 6, 7);
+    r[3] = __builtin_shufflevector(ab1, cd1, 2, 3, 6, 7);
+}
+
+/* Eight rows of four become four columns of eight. */
+static inline void calx_rows_to_columns(const calx_v4 r[8], calx_v8 column[4])
+{
+    for (int half = 0; half < 2; half++) {
+        calx_v4 part[4] = {r[4 * half], r[4 * half + 1], r[4 * half + 2], r[4 * half + 3]};
+        calx_transpose4(part);
+        for (int k = 0; k < 4; k++)
+            calx_v8_set_half(&column[k], half, part[k]);
+    }
+}
+
+/* The inverse: four columns of eight become eight rows of four. */
+static inline void calx_columns_to_rows(const calx_v8 column[4], calx_v4 r[8])
+{
+    for (int half = 0; half < 2; half++) {
+        for (int k = 0; k < 4; k++)
+            r[4 * half + k] = calx_v8_half(&column[k], half);
+        calx_transpose4(r + 4 * half);
+    }
+}
+
+/* Rows become columns, columns rows. */
+static inline void calx_transpose8(calx_v8 r[8])
+{
+    calx_v4 column[4][4]; /* four quarters */
+    for (int quarter = 0; quarter < 4; quarter++) {
+        for (int k = 0; k < 4; k++)
+            column[quarter][k] = calx_v8_half(&r[4 * (quarter / 2) + k], quarter % 2);
+        calx_transpose4(column[quarter]);
+    }
+    for (int quarter = 0; quarter < 4; quarter++)
+        for (int k = 0; k < 4; k++)
+            calx_v8_set_half(&r[4 * (quarter % 2) + k], quarter / 2, column[quarter][k]);
+}
+#endif
 
 /* Changes the sign of the lanes in which `minus` is -0.0 (0.0 elsewhere). */
 static inline calx_v8 calx_v8_flip(calx_v8 a, calx_v8 minus)
@@ -131,10 +218,19 @@ static inline calx_v8 calx_v8_sqrt(calx_v8 a)
 #if defined(__AVX512F__)
     return (calx_v8)_mm512_sqrt_pd((__m512d)a);
 #else
-    calx_v8 r;
-    for (int l = 0; l < 8; l++)
-        r[l] = sqrt(a[l]);
-    return r;
+    for (int k = 0; k < 8 / CALX_PIECE; k++) {
+        calx_piece piece = calx_v8_piece(&a, k);
+#if defined(__AVX__)
+        piece = (calx_piece)_mm256_sqrt_pd((__m256d)piece);
+#elif defined(__SSE2__)
+        piece = (calx_piece)_mm_sqrt_pd((__m128d)piece);
+#else
+        for (int l = 0; l < CALX_PIECE; l++)
+            piece[l] = sqrt(piece[l]);
+#endif
+        calx_v8_set_piece(&a, k, piece);
+    }
+    return a;
 #endif
 }
 
@@ -145,8 +241,12 @@ static inline calx_v8 calx_v8_positive(calx_v8 a, calx_v8 yes, calx_v8 no)
     __mmask8 where = _mm512_cmp_pd_mask((__m512d)a, _mm512_setzero_pd(), _CMP_GT_OQ);
     return (calx_v8)_mm512_mask_blend_pd(where, (__m512d)no, (__m512d)yes);
 #else
-    calx_bits8 where = a > 0.0;
-    return (calx_v8)((where & (calx_bits8)yes) | (~where & (calx_bits8)no));
+    for (int k = 0; k < 8 / CALX_PIECE; k++) {
+        calx_piece_bits where = calx_v8_piece(&a, k) > 0.0;
+        calx_piece_bits piece = (where & (calx_piece_bits)calx_v8_piece(&yes, k)) | (~where & (calx_piece_bits)calx_v8_piece(&no, k));
+        calx_v8_set_piece(&no, k, (calx_piece)piece);
+    }
+    return no;
 #endif
 }
 
@@ -169,8 +269,17 @@ static inline unsigned calx_v8_less(calx_v8 a, calx_v8 b)
     return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LT_OQ);
 #else
     unsigned bits = 0;
-    for (unsigned l = 0; l < 8; l++)
-        bits |= (unsigned)(a[l] < b[l]) << l;
+    for (int k = 0; k < 8 / CALX_PIECE; k++) {
+        calx_piece_bits less = calx_v8_piece(&a, k) < calx_v8_piece(&b, k);
+#if defined(__AVX__)
+        bits |= (unsigned)_mm256_movemask_pd((__m256d)less) << CALX_PIECE * k;
+#elif defined(__SSE2__)
+        bits |= (unsigned)_mm_movemask_pd((__m128d)less) << CALX_PIECE * k;
+#else
+        for (int l = 0; l < CALX_PIECE; l++)
+            bits |= (unsigned)(less[l] & 1) << (CALX_PIECE * k + l);
+#endif
+    }
     return bits;
 #endif
 }
