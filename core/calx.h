@@ -175,6 +175,17 @@ struct calx_profile_view {
 };
 struct calx_profile_view calx_sim_profile(const struct calx_sim *, size_t profile);
 
+/* ---- what is watched until it is stationary ------------------------------------------------------------ */
+
+/* The last window of blocks, of the layer that is farthest from steady if it is of layers: see calx_steady_verdict in core/steady.h. NaN before
+ * the first window is complete, and where the signal is not a number. */
+struct calx_steady_view {
+    double mean, error, change, doubt, drift;
+    double since; /* s: where the first of the windows began that all, until now, were steady; NaN if the last is not */
+    size_t layer; /* from 0 */
+};
+const struct calx_steady_view *calx_sim_steady(const struct calx_sim *, size_t watch);
+
 /* ---- meshes: cells with numbers in them, for output -------------------------------------------------- */
 
 struct calx_mesh_array {

@@ -172,6 +172,9 @@ static void describe_parts(const struct calx_scene *scene, FILE *out)
         fprintf(out, "  profile        '%s', %zu layers along %c, %lld samples per window of %g s\n", scene->profiles[k].name,
                 scene->profiles[k].layers, "xyz"[scene->profiles[k].axis],
                 llround(scene->profiles[k].over / scene->profiles[k].every), scene->profiles[k].over);
+    for (size_t k = 0; k < scene->steady_count; k++)
+        fprintf(out, "  watched        '%s', %zu blocks of %g s, steady within %g\n", scene->steady[k].name, scene->steady[k].blocks,
+                scene->steady[k].over, scene->steady[k].within);
 }
 
 void calx_sim_describe(const struct calx_sim *sim, FILE *out)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Quantities of one part of a scene: a wall, the slab behind it, a layer of a profile. Input: the frame, the simulation, the probe's choices.
+ * Quantities of one part of a scene: a wall, the slab behind it, a layer of a profile, a signal that is watched. Input: the frame, the simulation, the probe's choices.
  * Output: up to three doubles.
  */
 #include <math.h>
@@ -127,4 +127,26 @@ bool calx_measure_layer_traction(const struct calx_measure_view *v, double out[3
     for (int k = 0; l && k < 3; k++)
         out[k] = l->contact_stress[3 * k + p->axis] + l->kinetic_stress[3 * k + p->axis];
     return l != NULL;
+}
+
+/* ---- signals that are watched ---- */
+
+static const struct calx_steady_view *watch_of(const struct calx_measure_view *v)
+{
+    size_t watch = v->probe->steady;
+    return watch >= 1 && watch <= calx_sim_scene(v->sim)->steady_count ? calx_sim_steady(v->sim, watch - 1) : NULL;
+}
+
+bool calx_measure_steady_drift(const struct calx_measure_view *v, double out[3])
+{
+    const struct calx_steady_view *w = watch_of(v);
+    out[0] = w ? w->drift : NAN;
+    return w != NULL;
+}
+
+bool calx_measure_steady_since(const struct calx_measure_view *v, double out[3])
+{
+    const struct calx_steady_view *w = watch_of(v);
+    out[0] = w ? w->since : NAN;
+    return w != NULL;
 }

@@ -337,6 +337,11 @@ static const struct calx_measure_row rows[] = {
     WHOLE("layer-solid-fraction", "1", 1, calx_measure_layer_solid_fraction, "likewise"),
     WHOLE("layer-traction", "Pa", 3, calx_measure_layer_traction,
           "likewise: force over area across the planes of the layer, of contacts and fluctuations; positive in compression along the axis"),
+    WHOLE("steady-drift", "1", 1, calx_measure_steady_drift,
+          "of a signal that is watched, the column NAME_drift: the change from one half of its window to the other with its 95 % doubt, over the "
+          "change that counts as none; steady where at most 1, NaN before the first window is complete"),
+    WHOLE("steady-since", "s", 1, calx_measure_steady_since,
+          "likewise, the column NAME_since: from when on it has been steady; NaN while it is not"),
     WHOLE("residual-relative", "1", 1, residual_relative,
           "imbalance of mechanical energy over the largest energy that took part"),
     WHOLE("heat-residual-relative", "1", 1, heat_residual_relative,

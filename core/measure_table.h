@@ -22,7 +22,7 @@ struct calx_measure_row {
     size_t entry;
 };
 
-/* ---- measure_parts.c: of a wall, the slab behind it, a layer of a profile; false, or NaN, if there is none ---- */
+/* ---- measure_parts.c: of a wall, the slab behind it, a layer of a profile, a signal that is watched; false, or NaN, if there is none ---- */
 
 bool calx_measure_wall_force(const struct calx_measure_view *, double out[3]);
 bool calx_measure_wall_displacement(const struct calx_measure_view *, double out[3]);
@@ -35,6 +35,8 @@ bool calx_measure_layer_velocity(const struct calx_measure_view *, double out[3]
 bool calx_measure_layer_temperature(const struct calx_measure_view *, double out[3]);
 bool calx_measure_layer_solid_fraction(const struct calx_measure_view *, double out[3]);
 bool calx_measure_layer_traction(const struct calx_measure_view *, double out[3]);
+bool calx_measure_steady_drift(const struct calx_measure_view *, double out[3]);
+bool calx_measure_steady_since(const struct calx_measure_view *, double out[3]);
 
 /* ---- the table ---- */
 

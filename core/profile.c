@@ -244,11 +244,16 @@ static int take_sample(struct calx_sim *s, size_t profile, struct calx_error *e)
     return 0;
 }
 
-/* Multiples of the interval up to time t; the slack forgives the rounding of summed steps. */
+/* The slack forgives the rounding of summed steps. */
+int64_t calx_profile_multiples(const struct calx_sim *s, double after, double every, double t)
+{
+    return (int64_t)fmax(floor((t - after + 1e-6 * s->dt) / every), 0.0);
+}
+
 static int64_t multiples(const struct calx_sim *s, size_t profile, double t)
 {
     const struct calx_profile *p = &s->scene->profiles[profile];
-    return (int64_t)fmax(floor((t - p->after + 1e-6 * s->dt) / p->every), 0.0);
+    return calx_profile_multiples(s, p->after, p->every, t);
 }
 
 bool calx_profile_due(const struct calx_sim *s, double t)

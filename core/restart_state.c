@@ -166,6 +166,15 @@ static void list_profiles(struct calx_sim *s, struct array_list *l)
     add(l, "layers", &s->layers, layers * sizeof *s->layers);
 }
 
+static void list_steady(struct calx_sim *s, struct array_list *l)
+{
+    size_t count = s->scene->steady_count;
+    if (!count)
+        return;
+    add(l, "steady_clocks", &s->steady_clocks, count * sizeof *s->steady_clocks);
+    add(l, "steady_numbers", &s->steady_numbers, calx_steady_numbers(s->scene, count) * sizeof *s->steady_numbers);
+}
+
 static void list_network(struct calx_sim *s, const struct scalars *n, struct array_list *l)
 {
     if (!s->features.heat_network)
@@ -188,6 +197,7 @@ static void list_all(struct calx_sim *s, const struct scalars *n, size_t columns
     list_walls(s, n, l);
     list_network(s, n, l);
     list_profiles(s, l);
+    list_steady(s, l);
 }
 
 int calx_sim_save(struct calx_sim *s, struct calx_block **blocks, size_t *count, struct calx_error *e)
@@ -266,6 +276,7 @@ int calx_sim_restore(struct calx_sim *s, const struct calx_block *blocks, size_t
     }
     calx_pace_resume(s);
     calx_profile_resume(s);
+    calx_steady_resume(s);
     calx_measure_clear(&s->measure);
     s->walls_changed = true;
     if (calx_team_form(s))

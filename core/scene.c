@@ -58,6 +58,7 @@ static void free_lists(struct calx_scene *scene)
     free(scene->expects);
     free(scene->exacts);
     free(scene->profiles);
+    free(scene->steady);
 }
 
 void calx_scene_free(struct calx_scene *scene)

@@ -181,6 +181,7 @@ struct calx_probe {
     int wall;           /* for wall quantities, or -1 */
     int profile;        /* for quantities of layers, */
     int64_t layer;      /* from 1, the lowest; else 0, 0 */
+    size_t steady;      /* for quantities of a watch: its number from 1; else 0 */
     char component;     /* 'x', 'y', 'z', 'm' (magnitude) or 0 */
     char reduce[12];    /* mean, min, max, sum, std */
     char classes[32];   /* lacey-index: what divides the grains: start-height, start-x, material, start-radius, start-temperature */
@@ -225,6 +226,19 @@ struct calx_profile {
     struct calx_place place;
 };
 
+enum { CALX_STEADY_MOST = 1000 }; /* blocks */
+
+/* A signal that is watched until it is stationary (core/steady.c). */
+struct calx_steady {
+    char name[48];
+    struct calx_probe signal; /* with a profile (not -1): of each of its layers */
+    double every, over;       /* s: between samples; length of a block, a whole number of samples */
+    double after;             /* s: the first block begins */
+    double within;            /* the change that counts as none, in the unit of the signal */
+    size_t blocks;            /* of the window that is looked at: even */
+    struct calx_place place;
+};
+
 struct calx_scene {
     char *title;
     char *file;      /* path of the case file */
@@ -257,6 +271,8 @@ struct calx_scene {
     struct calx_exact *exacts;
     size_t profile_count;
     struct calx_profile *profiles;
+    size_t steady_count;
+    struct calx_steady *steady;
     size_t attachment_count;
     struct calx_attachment { void *what; void (*release)(void *); } *attachments;
     size_t file_count;

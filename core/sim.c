@@ -59,6 +59,7 @@ static int create(struct calx_sim *s, struct calx_error *e)
     CALX_TRY(create_scratch(s, e));
     CALX_TRY(create_classes(s, e));
     CALX_TRY(calx_profile_create(s, e));
+    CALX_TRY(calx_steady_create(s, e));
     s->engine = calx_engine_pick(NULL);
     return first_forces(s, e);
 }
@@ -114,7 +115,7 @@ void calx_sim_free(struct calx_sim *s)
                    s->wall_contacts, s->wall_contacts_next, s->wall_history, s->wall_history_next,
                    s->wall_force, s->block_wall_force, s->edge_i, s->edge_j, s->boundary_i, s->boundary_wall, s->boundary_at, s->edge_h,
                    s->boundary_h, s->boundary_t, s->carried, s->classes, s->saved, s->clocks,
-                   s->profile_clocks, s->layer_sums, s->layers, s->slab_cell, s->slab_face, s->slab_temperature, s->slab_heat,
+                   s->profile_clocks, s->layer_sums, s->layers, s->steady_clocks, s->steady_numbers, s->slab_cell, s->slab_face, s->slab_temperature, s->slab_heat,
                    s->block_faces};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         free(all[k]);

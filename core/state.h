@@ -140,6 +140,11 @@ struct calx_profile_clock {
     double end;               /* s, of the last window */
 };
 
+struct calx_steady_clock {
+    int64_t taken, blocks;    /* samples so far; complete blocks */
+    struct calx_steady_view view;
+};
+
 /* What the contacts of one block do to a cell of a slab's face. */
 struct calx_face {
     double flow, conductance; /* W into the slab, W/K: when heat conducts */
@@ -316,6 +321,10 @@ struct calx_sim {
     struct calx_profile_clock *profile_clocks;
     struct calx_layer_sums *layer_sums;
     struct calx_layer *layers;
+
+    /* signals that are watched */
+    struct calx_steady_clock *steady_clocks;
+    double *steady_numbers; /* see steady.c */
     void *saved; /* scalars of the last calx_sim_save */
 };
 
@@ -491,6 +500,16 @@ int calx_profile_create(struct calx_sim *, struct calx_error *);
 bool calx_profile_due(const struct calx_sim *, double t); /* at the step that ends at time t */
 int calx_profile_step(struct calx_sim *, struct calx_error *); /* takes the samples that are due */
 void calx_profile_resume(struct calx_sim *);
+/* Multiples of an interval that begins at `after` up to time t. */
+int64_t calx_profile_multiples(const struct calx_sim *, double after, double every, double t);
+
+/* steady.c */
+int calx_steady_create(struct calx_sim *, struct calx_error *);
+size_t calx_steady_signals(const struct calx_scene *, const struct calx_steady *); /* how many: 1, or the layers of its profile */
+size_t calx_steady_numbers(const struct calx_scene *, size_t watches);             /* doubles that so many watches keep */
+bool calx_steady_due(const struct calx_sim *, double t);
+void calx_steady_step(struct calx_sim *);
+void calx_steady_resume(struct calx_sim *);
 
 /* guard.c */
 /* What the state at t = 0 allows. */

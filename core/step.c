@@ -282,6 +282,7 @@ static int step(struct calx_sim *s, bool ahead, struct calx_error *e)
     if (s->peak.watched)
         calx_peak_look(s);
     CALX_TRY(calx_profile_step(s, e));
+    calx_steady_step(s);
     calx_timing_lap(clock, CALX_PHASE_OTHER);
     return end_stage(s, e);
 }
@@ -296,7 +297,8 @@ static bool looked_at(const struct calx_sim *s, int64_t steps)
 {
     const struct calx_stage_spec *stage = &s->scene->stages[s->stage];
     return calx_pace_elapsed(s, steps) >= stage->duration - 0.75 * s->dt || (s->step + steps) % CALX_SELDOM == 0 ||
-           (stage->condition[0] && (s->stage_step + steps) % 64 == 0) || calx_profile_due(s, end_of(s, steps));
+           (stage->condition[0] && (s->stage_step + steps) % 64 == 0) || calx_profile_due(s, end_of(s, steps)) ||
+           calx_steady_due(s, end_of(s, steps));
 }
 
 int calx_sim_advance(struct calx_sim *s, int64_t steps, int64_t *made, struct calx_error *e)

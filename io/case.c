@@ -55,6 +55,7 @@ static void read_document(struct calx_reader *r, const struct calx_setting *sett
     calx_case_read_slabs(r);
     calx_case_read_profiles(r);
     calx_case_read_output(r);
+    calx_case_read_steady(r);
     calx_case_read_expects(r);
     calx_case_read_exacts(r);
     calx_case_check_scene(r);

@@ -104,6 +104,7 @@ const char *calx_case_needed_choice(const struct calx_measure *measure)
                  {"wall-velocity", "wall"},     {"wall-friction", "wall"},    {"lacey-index", "classes"},
                  {"layer-velocity", "profile"}, {"layer-temperature", "profile"},
                  {"layer-solid-fraction", "profile"}, {"layer-traction", "profile"},
+                 {"steady-drift", "steady"}, {"steady-since", "steady"},
                  {"slab-mean-temperature", "wall"}, {"slab-max-temperature", "wall"}};
     for (size_t k = 0; k < sizeof needs / sizeof *needs; k++)
         if (strcmp(needs[k].quantity, measure->name) == 0)

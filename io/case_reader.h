@@ -151,6 +151,7 @@ void calx_case_read_gravity(struct calx_reader *, const xmlNode *, struct calx_f
 const char *calx_case_needed_choice(const struct calx_measure *);
 void calx_case_read_output(struct calx_reader *);
 void calx_case_read_profiles(struct calx_reader *);
+void calx_case_read_steady(struct calx_reader *);
 void calx_case_read_expects(struct calx_reader *);
 void calx_case_read_exacts(struct calx_reader *);
 

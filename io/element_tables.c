@@ -6,6 +6,8 @@
  */
 #include "io/element_tables.h"
 
+#include "core/scene.h"
+
 /* ---- materials and models
  * ------------------------------------------------------------------------------ */
 
@@ -261,6 +263,27 @@ static const struct calx_element profile = {
     "largest sphere is thick.",
     ATTRIBUTES(profile_attributes)};
 
+static const struct calx_attribute steady_attributes[] = {
+    {"name", NAME, NULL, NULL, NULL, NEEDED, "of its columns of the CSV, NAME_drift and NAME_since"},
+    {"of", NAME, NULL, NULL, NULL, NEEDED,
+     "a probe, a column of the CSV, a quantity of the whole scene, or with `profile` a quantity of layers"},
+    {"profile", NAME, NULL, NULL, NULL, NO_RANGE, "name of a profile: each of its layers is watched, and the worst counts"},
+    {"component", WORD, NULL, "x|y|z", NULL, NO_RANGE, "of a vector, with profile"},
+    {"over", QUANTITY, "s", NULL, NULL, 0, INFINITY, REQUIRED | CALX_ATTRIBUTE_OPEN_MIN,
+     "length of a block: longer than the signal remembers, and no shorter than the profile's window"},
+    {"every", QUANTITY, "s", NULL, NULL, POSITIVE, "time between the samples that a block averages; a twentieth of it if not given"},
+    {"after", QUANTITY, "s", NULL, "0", NOT_NEGATIVE, "when the first block begins"},
+    {"blocks", WHOLE, NULL, NULL, "10", 4, CALX_STEADY_MOST, 0, "of the window that is looked at: an even number"},
+    {"within", QUANTITY, NULL, NULL, NULL, 0, INFINITY, REQUIRED | CALX_ATTRIBUTE_OPEN_MIN | CALX_ATTRIBUTE_DIFFERENCE,
+     "the change that counts as none, in the unit of the quantity"},
+};
+static const struct calx_element steady = {
+    "steady", "steady",
+    "Says when a quantity has become stationary. A window of the last blocks slides along; the difference of the means of its halves, with "
+    "the 95 % confidence interval of Student's t over its block means, must be within the given change. What is too noisy to say is not called "
+    "steady. Two columns of the CSV, NAME_drift (at most 1: steady) and NAME_since, and a line at the end of the run say so.",
+    ATTRIBUTES(steady_attributes)};
+
 static const struct calx_attribute expect_attributes[] = {
     {"of", NAME, NULL, NULL, NULL, NO_RANGE,
      "a probe, a column of the CSV or a quantity of the whole scene"},
@@ -337,6 +360,7 @@ static const struct calx_child case_children[] = {{&material, '+'},
                                                   {&output, '?'},
                                                   {&probe, '*'},
                                                   {&profile, '*'},
+                                                  {&steady, '*'},
                                                   {&expect, '*'},
                                                   {&exact, '*'}};
 static const struct calx_element case_element = {

@@ -319,6 +319,26 @@ int calx_run_go(struct calx_run *run, struct calx_error *error)
     return code;
 }
 
+/* Whether a signal that is watched has become stationary: "steady: friction since t = 8e-06 s: 0.38 +- 0.01 (95 %)". */
+static void print_steady(const struct calx_run *run, size_t watch, FILE *file)
+{
+    const struct calx_steady *w = &run->scene->steady[watch];
+    const struct calx_steady_view *v = calx_sim_steady(run->sim, watch);
+    const char *unit = calx_measure_find(w->signal.quantity)->unit;
+    char layer[32] = "";
+    if (w->signal.profile >= 0)
+        snprintf(layer, sizeof layer, ", layer %zu", v->layer + 1);
+    unit = strcmp(unit, "1") ? unit : "";
+    if (v->drift <= 1)
+        fprintf(file, "steady: %s since t = %.6g s: %.4g +- %.2g %s%s(95 %%%s)\n", w->name, v->since, v->mean, v->error, unit,
+                *unit ? " " : "", layer);
+    else if (v->drift > 1)
+        fprintf(file, "not steady: %s changes by %.2g +- %.2g %s%s(95 %%%s) in %.4g s, more than %.4g\n", w->name, v->change, v->doubt,
+                unit, *unit ? " " : "", layer, 0.5 * (double)w->blocks * w->over, w->within);
+    else
+        fprintf(file, "not steady: %s has no complete window of %.4g s\n", w->name, (double)w->blocks * w->over);
+}
+
 void calx_run_print_summary(const struct calx_run *run, FILE *file)
 {
     char text[3][32];
@@ -336,6 +356,8 @@ void calx_run_print_summary(const struct calx_run *run, FILE *file)
     if (features.temperature)
         fprintf(file, "heat balance: residual %.3e J, %.2e of the largest heat\n", l.heat_residual,
                 l.heat_scale > 0 ? l.heat_residual / l.heat_scale : 0);
+    for (size_t k = 0; k < run->scene->steady_count; ++k)
+        print_steady(run, k, file);
     fprintf(file, "warnings: %zu\nstate hash: %016llx\n", run->problems.warning_count,
             (unsigned long long)calx_sim_hash(run->sim));
     if (run->series)

@@ -273,7 +273,9 @@ static const char parts[] =
     "<stage for='1 s'><move walls='lid' free='y' mass='2 kg' load='-10*t [N]' damping='3 N s/m' velocity='0.5 0'/></stage>\n"
     "<probe name='slide' of='wall-velocity' wall='lid' component='x'/><probe name='hot' of='slab-max-temperature' wall='lid'/>\n"
     "<profile name='p' axis='y' layers='7' over='1 s'/>\n"
-    "<probe name='speed' of='layer-velocity' profile='p' layer='7' component='x'/></case>\n";
+    "<probe name='speed' of='layer-velocity' profile='p' layer='7' component='x'/>\n"
+    "<steady name='warm' of='hot' over='0.4 s' after='2 s' blocks='6' within='2 degC'/>\n"
+    "<steady name='flow' of='layer-velocity' profile='p' component='y' over='2 s' every='1 s' within='3 mm/s'/></case>\n";
 
 static void check_slab(const struct calx_slab *b, const double corner[3], const double along[2], double length, bool periodic)
 {
@@ -289,6 +291,29 @@ static void check_slab(const struct calx_slab *b, const double corner[3], const 
     EQUAL(b->conductivity, 80);
     EQUAL(b->capacity, 7800 * 450);
     ck_assert(b->periodic == periodic);
+}
+
+/* Two, and the columns that they add. */
+static void check_watches(const struct calx_steady *w)
+{
+    static const char *const columns[] = {"warm_drift", "warm_since", "flow_drift", "flow_since"};
+    ck_assert_uint_eq(scene->steady_count, 2);
+    ck_assert(w[0].blocks == 6 && w[0].signal.profile == -1 && strcmp(w[0].signal.quantity, "slab-max-temperature") == 0);
+    ck_assert(w[0].signal.wall == 1);
+    EQUAL(w[0].over, 0.4);
+    EQUAL(w[0].every, 0.02);
+    EQUAL(w[0].after, 2);
+    EQUAL(w[0].within, 2); /* a difference */
+    ck_assert(w[1].blocks == 10 && w[1].signal.profile == 0 && w[1].signal.component == 'y');
+    EQUAL(w[1].every, 1);
+    EQUAL(w[1].after, 0);
+    EQUAL(w[1].within, 0.003);
+    for (size_t k = 0; k < 4; k++) {
+        const struct calx_probe *p = &scene->probes[3 + k];
+        ck_assert_str_eq(p->name, columns[k]);
+        ck_assert_uint_eq(p->steady, 1 + k / 2);
+        ck_assert_str_eq(p->quantity, k % 2 ? "steady-since" : "steady-drift");
+    }
 }
 
 START_TEST(test_plates_and_slabs)
@@ -311,6 +336,7 @@ START_TEST(test_plates_and_slabs)
     EQUAL(at_time(&m->load, 2), -20);
     ck_assert(!scene->stages[0].motion[0].free);
     ck_assert(scene->probes[2].profile == 0 && scene->probes[2].layer == 7);
+    check_watches(scene->steady);
 }
 END_TEST
 
