@@ -21,18 +21,38 @@ static int out_of_memory(struct calx_error *error)
 
 /* ---- the runs ---- */
 
-/* First replicas of all points first, coarse steps before fine ones: what the budget does not allow is missed least. */
-static int make_runs(struct calx_report_job *job, struct calx_error *error)
+/* A seed without its reference says nothing. */
+static bool has_reference(const struct calx_report_job *job, const struct calx_report_truth *t, size_t replica)
+{
+    bool any = job->plan.reference != CALX_REPORT_STATISTICS;
+    for (size_t q = 0; q < job->study.quantity_count && !any && replica < t->seeds; q++)
+        any = !isnan(t->means[replica * job->study.quantity_count + q]);
+    return any;
+}
+
+/* Replicas from `first` up to before `end` of one point. */
+static int make_replicas(struct calx_report_job *job, const struct calx_report_truth *t, const struct calx_report_point *p, size_t first,
+                         size_t end, struct calx_error *error)
+{
+    const struct calx_report_run *unused;
+    for (size_t k = first; k < end && k < p->count; k++)
+        if (has_reference(job, t, k))
+            CALX_TRY(calx_report_job_run(job, &job->plan.recipes[p->first + k], &unused, error));
+    return CALX_OK;
+}
+
+/* First replicas of all points first, coarse steps before fine ones: what the budget does not allow is missed least. One seed of a point
+ * has no confidence: with statistics the first ones are enough to have one. */
+static int make_runs(struct calx_report_job *job, const struct calx_report_truth *t, const struct calx_report_analysis *a,
+                     struct calx_error *error)
 {
     const struct calx_report_plan *plan = &job->plan;
-    const struct calx_report_run *unused;
-    size_t most = 0;
+    size_t most = 0, least = plan->reference == CALX_REPORT_STATISTICS ? (a->seeds < 3 ? a->seeds : 3) : 1;
     for (size_t p = 0; p < plan->point_count; p++)
         most = plan->points[p].count > most ? plan->points[p].count : most;
-    for (size_t k = 0; k < most; k++)
+    for (size_t k = 0; k < most; k = k ? k + 1 : least)
         for (size_t p = 0; p < plan->point_count; p++)
-            if (k < plan->points[p].count)
-                CALX_TRY(calx_report_job_run(job, &plan->recipes[plan->points[p].first + k], &unused, error));
+            CALX_TRY(make_replicas(job, t, &plan->points[p], k, k ? k + 1 : least, error));
     return CALX_OK;
 }
 
@@ -186,7 +206,7 @@ int calx_report_analyse(struct calx_report_job *job, struct calx_report_analysis
     struct calx_report_truth truth = {0};
     int code = calx_report_truth_find(job, &truth, a, error);
     if (!code)
-        code = make_runs(job, error);
+        code = make_runs(job, &truth, a, error);
     double *room = malloc((2 * job->store.count + 2 * job->plan.point_count + 64) * sizeof *room);
     if (!code)
         code = room ? analyse(job, a, &truth, room, error) : out_of_memory(error);

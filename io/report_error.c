@@ -102,10 +102,12 @@ void calx_report_pool(const struct calx_report_job *job, const struct calx_repor
                       double *room)
 {
     for (size_t q = 0; q < job->study.quantity_count; q++) {
-        size_t n = 0;
+        size_t n = 0, most = 2; /* seeds: points with fewer than others were broken off */
         for (size_t p = 0; p < job->plan.point_count && job->plan.reference == CALX_REPORT_STATISTICS; p++) {
             const struct differences s = differences_of(job, t, q, &job->plan.points[p], a->scales[q].scale);
-            if (s.n == job->plan.points[p].count && s.n > 1)
+            n = s.n > most ? 0 : n;
+            most = s.n > most ? s.n : most;
+            if (s.n == most)
                 room[n++] = s.deviation;
         }
         a->pooled[q] = n ? calx_report_median(room, n) : 0;

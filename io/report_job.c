@@ -7,8 +7,8 @@
 
 #include "io/report_parts.h"
 
-/* Runs that would go on past this many budgets are stopped: an estimate can be wrong by a factor. */
-static const double DEADLINE = 1.1;
+/* Runs that would go on past this share of the budget are stopped: an estimate can be wrong by a factor. The rest is for the output. */
+static const double DEADLINE = 0.98;
 
 double calx_report_job_left(const struct calx_report_job *job)
 {

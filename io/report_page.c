@@ -45,7 +45,7 @@ static void print_scales(const struct calx_report_job *job, const struct calx_re
         if (scale->absolute)
             fprintf(f, "- **%s**: absolute, in %s", quantity->name, quantity->unit);
         else
-            fprintf(f, "- **%s**: relative to %.4g %s%s", quantity->name, scale->scale,
+            fprintf(f, "- **%s**: relative to %.4g%s%s%s", quantity->name, scale->scale, strcmp(quantity->unit, "1") ? " " : "",
                     strcmp(quantity->unit, "1") ? quantity->unit : "",
                     quantity->form == CALX_REPORT_PATHS ? " (the mean radius)" : "");
         if (quantity->exact)
@@ -73,20 +73,19 @@ static void print_integrators(const struct calx_report_job *job, const struct ca
         uint32_t order = s->axis == CALX_MOTION
                              ? ((const struct calx_motion_integrator *)candidate->plugin->law)->order
                              : ((const struct calx_temperature_integrator *)candidate->plugin->law)->order;
-        if (candidate->refused[0])
-            continue;
+        if (candidate->refused[0] || !at)
+            continue; /* the notes say why */
         snprintf(declared, sizeof declared, "%u", order);
         snprintf(time, sizeof time, "-");
         if (isfinite(candidate->critical))
             calx_report_step(candidate->critical, time, sizeof time);
-        if (at)
-            calx_report_percent(at->errors[q].error, a->scales[q].absolute, s->quantities[q].unit, error, sizeof error);
+        calx_report_percent(at->errors[q].error, a->scales[q].absolute, s->quantities[q].unit, error, sizeof error);
         fprintf(f, "| %s%s | ", candidate->plugin->name, candidate->own ? " (the case's)" : "");
         if (isnan(curve->order))
             fputs("-", f);
         else
             fprintf(f, "%.2f ± %.2f", curve->order, curve->order_error);
-        fprintf(f, " | %s | %s | %s | %.0f ± %.0f %% | %.3g |\n", declared, time, at ? error : "-", 1e9 * candidate->cost,
+        fprintf(f, " | %s | %s | %s | %.0f ± %.0f %% | %.3g |\n", declared, time, error, 1e9 * candidate->cost,
                 100 * candidate->spread, candidate->evaluations);
     }
     fputc('\n', f);
@@ -169,6 +168,31 @@ static void print_again(const struct calx_report_job *job, const struct calx_rep
         fputc('\n', f);
 }
 
+/* Integrators of which there is no point: for want of time, or because no run came to its end. */
+static void print_absent(const struct calx_report_job *job, const struct calx_report_analysis *a, FILE *f)
+{
+    const struct calx_report_study *s = &job->study;
+    const char *before = "- left out for want of time (more with --budget, or name fewer with --integrators): ";
+    bool any = false;
+    for (size_t c = 0; c < s->candidate_count; c++) {
+        bool failed = false;
+        for (size_t k = 0; k < a->count; k++)
+            failed |= a->results[k].point->candidate == (int)c && a->results[k].why[0];
+        if (s->candidates[c].refused[0] || failed || calx_report_nearest(a, (int)c, s->own_dt))
+            continue;
+        fprintf(f, "%s%s", any ? ", " : before, s->candidates[c].plugin->name);
+        any = true;
+    }
+    if (any)
+        fputc('\n', f);
+    for (size_t c = 0; c < s->candidate_count; c++)
+        for (size_t k = 0; k < a->count && !calx_report_nearest(a, (int)c, s->own_dt); k++)
+            if (a->results[k].point->candidate == (int)c && a->results[k].why[0]) {
+                fprintf(f, "- no run of %s came to its end: %s\n", s->candidates[c].plugin->name, a->results[k].why);
+                break;
+            }
+}
+
 static void print_notes(const struct calx_report_job *job, const struct calx_report_analysis *a, FILE *f)
 {
     const struct calx_report_study *s = &job->study;
@@ -186,10 +210,10 @@ static void print_notes(const struct calx_report_job *job, const struct calx_rep
                     a->results[k].why);
             break;
         }
-    for (size_t c = 0; c < s->candidate_count; c++)
-        if (!s->candidates[c].refused[0] && !calx_report_nearest(a, (int)c, s->own_dt))
-            fprintf(f, "- %s was left out for want of time, or no run of it came to its end; to have it: --integrators %s\n",
-                    s->candidates[c].plugin->name, s->candidates[c].plugin->name);
+    print_absent(job, a, f);
+    if (s->adaptive[0])
+        fprintf(f, "- adaptive integrators were left out: they give all bodies the sub-step of the one that needs the shortest, and of many "
+                   "one always does; to have them: --integrators %s\n", s->adaptive);
     double start = 0;
     for (size_t k = 0; k < s->run.scene->stage_count; start += s->run.scene->stages[k++].duration)
         if (start >= job->plan.window && k > 0)

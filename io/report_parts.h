@@ -102,6 +102,7 @@ struct calx_report_study {
     double common;           /* s: a step that divides this ends all stages on time; 0: there is none */
     double own_dt, own_heat_dt; /* s, of the case; NaN if it has none that works */
     int own;                 /* candidate of the case, or -1 */
+    char adaptive[128];      /* names, with commas between, of integrators that are taken only if asked for; "" */
     size_t candidate_count;
     struct calx_report_candidate *candidates;
     size_t quantity_count, width;
@@ -363,7 +364,7 @@ void calx_report_analysis_clear(struct calx_report_analysis *);
 struct calx_report_truth {
     size_t samples, width;
     double *times, *values; /* of the converged reference; NULL if there is none */
-    double *means, *spread; /* of the statistics: [seed][quantity]; NULL */
+    double *means; /* of the statistics: [seed][quantity]; NULL */
     size_t seeds;
 };
 int calx_report_truth_find(struct calx_report_job *, struct calx_report_truth *,

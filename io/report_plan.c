@@ -11,7 +11,7 @@
 #include "io/report_parts.h"
 
 /* Shares of the budget. */
-static const double TRIAL = 0.02, CHAOS = 0.3;
+static const double TRIAL = 0.02, CHAOS = 0.3, PILOT = 0.1;
 enum { MANY = 20 }; /* bodies from which on means say something where paths do not */
 
 void calx_report_plan_clear(struct calx_report_plan *plan)
@@ -36,7 +36,7 @@ static int try_out(struct calx_report_job *job, struct calx_error *error)
         recipe.window = fmin(s->duration, steps * s->own_dt);
         int code = calx_report_run_go(s, &recipe, INFINITY, &run, error);
         job->setup = run.setup;
-        job->cost = run.seconds / (double)(run.evaluations ? run.evaluations : 1);
+        job->cost = run.wall / (double)(run.evaluations ? run.evaluations : 1);
         bool enough = run.seconds > TRIAL * s->options->budget || recipe.window >= s->duration || steps > 1e7;
         bool stopped = run.status != CALX_REPORT_GOOD;
         snprintf(error->text, sizeof error->text, "%s", run.why);
@@ -121,6 +121,20 @@ static int find_reference(struct calx_report_job *job, struct calx_error *error)
     return calx_report_quantities_choose(s, plan->reference == CALX_REPORT_STATISTICS, error);
 }
 
+/* The trial sees the start only, and grains that still fall cost less than grains that lie: a run of all that will be compared, or of
+ * what there is time for, tells what the plan must reckon with. */
+static int pilot(struct calx_report_job *job, struct calx_error *error)
+{
+    struct calx_report_study *s = &job->study;
+    const struct calx_report_run *run;
+    struct calx_report_recipe recipe = {.candidate = s->own < 0 ? 0 : s->own, .dt = s->own_dt, .stiffness = 1, .damping = 1, .samples = 1,
+                                        .window = fmin(job->plan.window, affordable(job, PILOT))};
+    CALX_TRY(calx_report_job_run(job, &recipe, &run, error));
+    if (run && run->status == CALX_REPORT_GOOD && run->evaluations > 0)
+        job->cost = fmax(job->cost, run->wall / (double)run->evaluations);
+    return CALX_OK;
+}
+
 static void say_reference(struct calx_report_job *job)
 {
     const struct calx_report_plan *plan = &job->plan;
@@ -140,5 +154,7 @@ int calx_report_plan_make(struct calx_report_job *job, struct calx_error *error)
     CALX_TRY(calx_report_cost(job, error));
     CALX_TRY(find_reference(job, error));
     say_reference(job);
+    if (job->plan.reference == CALX_REPORT_STATISTICS)
+        CALX_TRY(pilot(job, error));
     return calx_report_fit(job, error);
 }

@@ -155,7 +155,8 @@ static void print_axes(const struct calx_report_job *job, const struct calx_repo
     if (scale->absolute)
         fprintf(f, " (%s)\"\n", quantity->unit);
     else
-        fprintf(f, " (relative to %.3g %s)\"\n", scale->scale, strcmp(quantity->unit, "1") ? quantity->unit : "");
+        fprintf(f, " (relative to %.3g%s%s)\"\n", scale->scale, strcmp(quantity->unit, "1") ? " " : "",
+                strcmp(quantity->unit, "1") ? quantity->unit : "");
     fprintf(f, "set arrow 1 from graph 0, first %.6g to graph 1, first %.6g nohead dt 3 lc rgb '#888888' back\n",
             job->study.options->target, job->study.options->target);
     fprintf(f, "set label 1 \"target\" at graph 0.015, first %.6g offset 0,0.5 tc rgb '#666666' font ',11'\n",

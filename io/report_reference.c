@@ -14,6 +14,7 @@
 #include "io/report_parts.h"
 
 static const double LEAST_ORDER = 0.5, LARGEST_ORDER = 8;
+static const double HALF = 0.5; /* of the budget: the rest is for the points */
 
 void calx_report_truth_clear(struct calx_report_truth *t)
 {
@@ -157,6 +158,15 @@ static int converge(struct calx_report_job *job, const double *start, struct cal
 
 /* ---- statistics ---- */
 
+/* The reference of one seed; NULL if there is no time for it: where two have taken half the budget, points need the rest. */
+static int fetch_seed(struct calx_report_job *job, size_t k, size_t good, const struct calx_report_run **run, struct calx_error *error)
+{
+    *run = calx_report_store_find(&job->store, &job->plan.references[k], job->study.width);
+    if (*run || (good >= 2 && calx_report_job_left(job) < HALF * job->study.options->budget))
+        return CALX_OK;
+    return calx_report_job_run(job, &job->plan.references[k], run, error);
+}
+
 /* Seeds whose reference did not end (out of time) are left out everywhere: NaN. */
 static int average(struct calx_report_job *job, const double *start, struct calx_report_truth *t,
                    struct calx_report_analysis *a, struct calx_error *error)
@@ -169,7 +179,7 @@ static int average(struct calx_report_job *job, const double *start, struct calx
         return calx_error_set(error, CALX_ERROR_MEMORY, "out of memory");
     for (size_t k = 0; k < t->seeds; k++) {
         const struct calx_report_run *run;
-        CALX_TRY(calx_report_job_run(job, &job->plan.references[k], &run, error));
+        CALX_TRY(fetch_seed(job, k, good, &run, error));
         bool ended = run && run->status == CALX_REPORT_GOOD;
         for (size_t q = 0; q < s->quantity_count; q++) {
             t->means[k * s->quantity_count + q] = ended ? calx_report_mean_of(s, run, q) : NAN;

@@ -123,6 +123,12 @@ static bool is_hopeless(const struct calx_report_study *s, const struct calx_plu
     return law && !law->stages && !law->solves_impulses && s->particles > MANY;
 }
 
+static void note_adaptive(struct calx_report_study *s, const char *name)
+{
+    size_t used = strlen(s->adaptive);
+    snprintf(s->adaptive + used, sizeof s->adaptive - used, "%s%s", used ? "," : "", name);
+}
+
 static int find_candidates(struct calx_report_study *s, struct calx_error *error)
 {
     const struct calx_scene *scene = s->run.scene;
@@ -135,9 +141,12 @@ static int find_candidates(struct calx_report_study *s, struct calx_error *error
     for (size_t k = 0; k < count; k++) {
         const struct calx_plugin *plugin = calx_registry_at(s->run.registry, k);
         bool mine = own && strcmp(own->plugin, plugin->name) == 0;
-        if (plugin->kind != s->axis || (!mine && !s->options->integrators && is_hopeless(s, plugin)) ||
-            (s->options->integrators && !is_named(s->options->integrators, plugin->name)))
+        if (plugin->kind != s->axis || (s->options->integrators && !is_named(s->options->integrators, plugin->name)))
             continue;
+        if (!mine && !s->options->integrators && is_hopeless(s, plugin)) {
+            note_adaptive(s, plugin->name);
+            continue;
+        }
         s->candidates[s->candidate_count++] =
             (struct calx_report_candidate){.plugin = plugin, .own = mine, .critical = INFINITY,
                                            .evaluations = stages_of(s, plugin)};

@@ -77,14 +77,17 @@ int calx_report_create(const struct calx_report_job *job, const char *name, stru
 /* ---- the verdict ---- */
 
 /* Why the verdict is on another target than was asked. */
-static void print_out_of_reach(const struct calx_report_job *job, const struct calx_report_verdict *v,
-                               const char *wanted, FILE *file)
+static void print_out_of_reach(const struct calx_report_job *job, const struct calx_report_analysis *a, size_t q, const char *wanted,
+                               FILE *file)
 {
+    const struct calx_report_verdict *v = &a->verdicts[q];
+    char chance[32];
     if (v->target <= job->study.options->target)
         return;
+    calx_report_percent(v->best->errors[q].confidence, a->scales[q].absolute, job->study.quantities[q].unit, chance, sizeof chance);
     if (job->plan.reference == CALX_REPORT_STATISTICS)
-        fprintf(file, " %s cannot be told from chance with %d seeds: more of them (--seeds) or a larger --budget narrow it.",
-                wanted, job->plan.replicas);
+        fprintf(file, " The %s asked for cannot be promised: chance alone makes ± %s with %zu seeds; more of them (--seeds) or a larger "
+                      "--budget narrow that.", wanted, chance, v->best->runs);
     else
         fprintf(file, " No step that was tried keeps within %s: ask for smaller ones with --steps, or for a larger "
                       "--budget.", wanted);
@@ -99,14 +102,31 @@ static void print_own(const struct calx_report_job *job, const struct calx_repor
         return;
     calx_report_step(s->own_dt, step, sizeof step);
     const char *name = s->candidates[s->own].plugin->name;
+    const char *begin = v->target > s->options->target ? " For that the" : " The"; /* it is said of the target that is reached */
     if (!v->own)
         fprintf(file, " With %s, which the case has, no step that was tried is enough.", name);
     else if (v->own_factor > 1.2)
-        fprintf(file, " The step you have (%s, %s) is %.2g times finer than needed.", name, step, v->own_factor);
+        fprintf(file, "%s step you have (%s, %s) is %.2g times finer than needed.", begin, name, step, v->own_factor);
     else if (v->own_factor < 0.8)
-        fprintf(file, " The step you have (%s, %s) is %.2g times too coarse.", name, step, 1 / v->own_factor);
+        fprintf(file, "%s step you have (%s, %s) is %.2g times too coarse.", begin, name, step, 1 / v->own_factor);
     else if (!isnan(v->own_factor))
-        fprintf(file, " The step you have (%s, %s) is right.", name, step);
+        fprintf(file, "%s step you have (%s, %s) is right.", begin, name, step);
+}
+
+/* Why there is no verdict at all: no time, or no step that works. */
+static void print_nothing(const struct calx_report_job *job, const struct calx_report_analysis *a, size_t q, FILE *file)
+{
+    char budget[32];
+    size_t good = 0;
+    for (size_t k = 0; k < a->count; k++)
+        good += a->results[k].runs > 0 && a->results[k].status == CALX_REPORT_GOOD;
+    calx_terminal_duration(job->study.options->budget, budget, sizeof budget);
+    if (good && job->plan.reference == CALX_REPORT_STATISTICS)
+        fprintf(file, "No verdict on %s: within the budget of %s no step that calx would take came to two seeds; give more with --budget.\n",
+                job->study.quantities[q].name, budget);
+    else
+        fprintf(file, "No verdict on %s: no run with a step that calx would take came to its end and gave an error; see the notes.\n",
+                job->study.quantities[q].name);
 }
 
 size_t calx_report_ranked(const struct calx_report_job *job, const struct calx_report_analysis *a, size_t rank)
@@ -136,8 +156,7 @@ void calx_report_print_verdict(const struct calx_report_job *job, const struct c
         return;
     }
     if (!v->best) {
-        fprintf(file, "No run that calx would make gave an error of %s in the %.3g s that were compared.\n",
-                quantity->name, job->plan.window);
+        print_nothing(job, a, q, file);
         return;
     }
     const struct calx_report_point *p = v->best->point;
@@ -157,6 +176,6 @@ void calx_report_print_verdict(const struct calx_report_job *job, const struct c
             whole ? "" : " for what was compared", error,
             job->plan.reference == CALX_REPORT_STATISTICS ? " at most (95 %)" : "");
     print_own(job, v, file);
-    print_out_of_reach(job, v, wanted, file);
+    print_out_of_reach(job, a, q, wanted, file);
     fputc('\n', file);
 }
