@@ -23,6 +23,16 @@ static double distance(const struct calx_report_study *s, const struct calx_repo
     return sqrt(sum / (double)s->body_count) / s->radius;
 }
 
+static int complain(const struct calx_report_job *job, const struct calx_report_run *const runs[2], struct calx_error *error)
+{
+    if (!runs[0] || !runs[1])
+        return calx_error_set(error, CALX_ERROR_INPUT, "the budget of %g s does not suffice for two short runs of the case: give more with "
+                              "--budget", job->study.options->budget);
+    const char *why = runs[0]->why[0] ? runs[0]->why : runs[1]->why;
+    return calx_error_set(error, CALX_ERROR_PHYSICS, "the case does not come to its end as it stands: %s",
+                          why[0] ? why : "its step is too long");
+}
+
 /* Two runs over the first `window` s; sets the plan's decorrelation and growth. */
 static int compare(struct calx_report_job *job, double window, struct calx_error *error)
 {
@@ -37,8 +47,7 @@ static int compare(struct calx_report_job *job, double window, struct calx_error
     recipe.perturb = 0;
     runs[0] = calx_report_store_find(&job->store, &recipe, s->width); /* adding a run may have moved it */
     if (!runs[0] || !runs[1] || runs[0]->status || runs[1]->status)
-        return calx_error_set(error, CALX_ERROR_PHYSICS, "the case does not come to its end as it stands: %s",
-                              !runs[0] ? "out of time" : runs[0]->why[0] ? runs[0]->why : "its step is too long");
+        return complain(job, runs, error);
     size_t count = runs[0]->count < runs[1]->count ? runs[0]->count : runs[1]->count;
     plan->decorrelation = INFINITY;
     for (size_t k = 0; k < count && !isfinite(plan->decorrelation); k++) {

@@ -234,12 +234,12 @@ static void print_machine(const struct calx_report_job *job, FILE *f)
         seconds += job->store.runs[k].wall + job->store.runs[k].setup;
         evaluations += (double)job->store.runs[k].evaluations;
     }
-    fprintf(f, "calx " CALX_VERSION ", %s. %zu runs, %.3g evaluations of all forces, %s of a budget of %s. "
+    fprintf(f, "calx " CALX_VERSION ", %s. %zu runs, %.3g evaluations of all forces, %s of a budget of %s%s. "
                "Times are counted evaluations times the median cost of an evaluation of each integrator%s; "
                "costs that differ by less than 10 %% or their scatter count as equal in the verdict.\n",
             calx_report_machine(machine, sizeof machine), job->store.count, evaluations,
             calx_terminal_duration(seconds, spent, sizeof spent),
-            calx_terminal_duration(s->options->budget, budget, sizeof budget),
+            calx_terminal_duration(s->options->budget, budget, sizeof budget), job->beyond ? " and of measuring again, which is beyond it" : "",
             isnan(s->heat_low) && isnan(s->tight) ? "" : ", of other heat steps and tolerances the median of the clock");
 }
 

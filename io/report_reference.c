@@ -14,6 +14,7 @@
 #include "io/report_parts.h"
 
 static const double LEAST_ORDER = 0.5, LARGEST_ORDER = 8;
+static const double ROUNDING = 1e-12; /* of the size: what changes by less does not change */
 static const double HALF = 0.5; /* of the budget: the rest is for the points */
 
 void calx_report_truth_clear(struct calx_report_truth *t)
@@ -57,7 +58,7 @@ static struct calx_report_scale scale_of(const struct calx_report_study *s, cons
     struct calx_report_scale scale = {.order = NAN};
     double change = r->high - r->low;
     scale.scale = q->form == CALX_REPORT_PATHS ? s->radius : change > 1e-3 * r->largest ? change : r->largest;
-    scale.still = !(change > 0) && !q->exact;
+    scale.still = !(change > ROUNDING * r->largest) && !q->exact;
     scale.absolute = !(scale.scale > 0) || !isfinite(scale.scale);
     if (scale.absolute)
         scale.scale = 1;
