@@ -8,30 +8,41 @@
  */
 #include "core/plugin.h"
 
-/* y += dt (3/2 rate - 1/2 old), old = rate, for one body; the fourth number of old tells whether
- * there is one. */
-static inline void extrapolate(const double *restrict dt, double *restrict y,
-                               const double *restrict rate, double *restrict old)
+/* Euler's step comes first: old = rate of bodies that have no old one, the fourth number of old tells. */
+static void begin(size_t n, size_t stride, const double *rate, double *old)
 {
-    double share = old[3] != 0 ? 0.5 : 0;
-    for (int k = 0; k < 3; k++) {
-        y[k] += dt[k] * ((1 + share) * rate[k] - share * old[k]);
-        old[k] = rate[k];
+    for (size_t i = 0; i < n; i++) {
+        if (old[4 * i + 3] > 0)
+            continue;
+        for (size_t k = 0; k < 3; k++)
+            old[4 * i + k] = rate[i * stride + k];
+        old[4 * i + 3] = 1;
     }
-    old[3] = 1;
+}
+
+/* y += dt (3/2 rate - 1/2 old), old = rate; lanes without a step stay. */
+CALX_KERNEL static void extrapolate(size_t n, size_t stride_y, size_t stride, const double *restrict dt, double *restrict y,
+                                    const double *restrict rate, double *restrict old)
+{
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 4; k++) {
+            double now = rate[i * stride + k], before = old[4 * i + k];
+            y[i * stride_y + k] += dt[k] * (1.5 * now - 0.5 * before);
+            old[4 * i + k] = dt[k] > 0 ? now : before;
+        }
 }
 
 static void turn(const void *params, const struct calx_rows *r)
 {
     (void)params;
-    for (size_t i = 0; i < r->n; i++)
-        extrapolate(r->dt, r->v + i * r->stride, r->a + i * r->stride, r->extra[0] + 4 * i);
+    begin(r->n, r->stride, r->a, r->extra[0]);
+    extrapolate(r->n, r->stride, r->stride, r->dt, r->v, r->a, r->extra[0]);
 }
 
 static void move(const void *params, const struct calx_rows *r)
 {
-    for (size_t i = 0; i < r->n; i++)
-        extrapolate(r->dt, r->x + 4 * i, r->v + i * r->stride, r->extra[1] + 4 * i);
+    begin(r->n, r->stride, r->v, r->extra[1]);
+    extrapolate(r->n, 4, r->stride, r->dt, r->x, r->v, r->extra[1]);
     turn(params, r);
 }
 

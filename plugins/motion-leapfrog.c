@@ -10,39 +10,61 @@
  */
 #include "core/plugin.h"
 
-/* One body. The fourth number of u tells whether it has begun. v becomes u. */
-static inline void kick(const double *restrict dt, double *restrict v, const double *restrict a,
-                        double *restrict u)
+/* u(-1/2) of bodies that have none: the fourth number of u tells. */
+static void begin(size_t n, size_t stride, const double *dt, const double *v, const double *a, double *u)
 {
-    for (int k = 0; k < 3; k++) {
-        double before = u[3] != 0 ? u[k] : v[k] - 0.5 * dt[k] * a[k];
-        u[k] = before + dt[k] * a[k];
-        v[k] = u[k];
+    for (size_t i = 0; i < n; i++) {
+        if (u[4 * i + 3] > 0)
+            continue;
+        for (size_t k = 0; k < 3; k++)
+            u[4 * i + k] = v[i * stride + k] - 0.5 * dt[k] * a[i * stride + k];
+        u[4 * i + 3] = 1;
     }
-    u[3] = 1;
+}
+
+/* u goes on by a kick and becomes v; lanes without a step stay. */
+CALX_KERNEL static void kick(size_t n, size_t stride, const double *restrict dt, double *restrict v, const double *restrict a,
+                             double *restrict u)
+{
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 4; k++) {
+            double next = u[4 * i + k] + dt[k] * a[i * stride + k];
+            v[i * stride + k] = dt[k] > 0 ? next : v[i * stride + k];
+            u[4 * i + k] = next;
+        }
+}
+
+CALX_KERNEL static void drift(size_t n, size_t stride, const double *restrict dt, double *restrict x, const double *restrict v)
+{
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 4; k++)
+            x[4 * i + k] += dt[k] * v[i * stride + k];
+}
+
+CALX_KERNEL static void half_kick(size_t n, size_t stride, const double *restrict dt, double *restrict v, const double *restrict a)
+{
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 4; k++)
+            v[i * stride + k] += 0.5 * dt[k] * a[i * stride + k];
 }
 
 static void turn(const void *params, const struct calx_rows *r)
 {
     (void)params;
-    for (size_t i = 0; i < r->n; i++)
-        kick(r->dt, r->v + i * r->stride, r->a + i * r->stride, r->extra[0] + 4 * i);
+    begin(r->n, r->stride, r->dt, r->v, r->a, r->extra[0]);
+    kick(r->n, r->stride, r->dt, r->v, r->a, r->extra[0]);
 }
 
 static void move(const void *params, const struct calx_rows *r)
 {
     turn(params, r);
-    for (size_t i = 0; i < r->n; i++)
-        for (size_t k = 0; k < 3; k++)
-            r->x[4 * i + k] += r->dt[k] * r->v[i * r->stride + k];
+    drift(r->n, r->stride, r->dt, r->x, r->v);
 }
 
 static void finish(const void *params, const struct calx_rows *r)
 {
     (void)params;
-    for (size_t i = 0; i < r->n; i++)
-        for (size_t k = 0; k < 3; k++)
-            r->v[i * r->stride + k] += 0.5 * r->dt[k] * r->a[i * r->stride + k];
+    half_kick(r->n, r->stride, r->dt, r->v, r->a);
 }
 
 static const struct calx_stage translation[] = {{.before = move, .after = finish}};

@@ -54,32 +54,59 @@ static const struct calx_parameter parameters[] = {
 
 /* ---- the kernels ---- */
 
+/* Lanes without a step stay: whatever their acceleration is, it is guessed right from then on. */
+CALX_KERNEL static void predict_place(size_t n, size_t stride, const double *restrict dt, double *restrict x,
+                                      const double *restrict v, const double *restrict a)
+{
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 4; k++)
+            x[4 * i + k] += dt[k] * (v[i * stride + k] + 0.5 * dt[k] * a[i * stride + k]);
+}
+
+CALX_KERNEL static void predict(size_t n, size_t stride, const double *restrict dt, double *restrict v, const double *restrict a,
+                                double *restrict guess)
+{
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 4; k++) {
+            v[i * stride + k] += dt[k] * a[i * stride + k];
+            guess[4 * i + k] = a[i * stride + k];
+        }
+}
+
+CALX_KERNEL static void correct_place(size_t n, size_t stride, double beta, const double *restrict dt, double *restrict x,
+                                      const double *restrict a, const double *restrict guess)
+{
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 4; k++)
+            x[4 * i + k] += beta * dt[k] * dt[k] * (a[i * stride + k] - guess[4 * i + k]);
+}
+
+CALX_KERNEL static void correct(size_t n, size_t stride, double gamma, const double *restrict dt, double *restrict v,
+                                const double *restrict a, double *restrict guess)
+{
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 4; k++) {
+            v[i * stride + k] += gamma * dt[k] * (a[i * stride + k] - guess[4 * i + k]);
+            guess[4 * i + k] = a[i * stride + k];
+        }
+}
+
 static void before(const void *params, const struct calx_rows *r)
 {
     (void)params;
     if (r->stage > 0)
         return;
-    for (size_t i = 0; i < r->n; i++)
-        for (size_t k = 0; k < 3; k++) {
-            double *v = &r->v[i * r->stride + k], a = r->a[i * r->stride + k];
-            if (r->x)
-                r->x[4 * i + k] += r->dt[k] * (*v + 0.5 * r->dt[k] * a);
-            *v += r->dt[k] * a;
-            r->extra[0][4 * i + k] = a;
-        }
+    if (r->x)
+        predict_place(r->n, r->stride, r->dt, r->x, r->v, r->a);
+    predict(r->n, r->stride, r->dt, r->v, r->a, r->extra[0]);
 }
 
 static void after(const void *params, const struct calx_rows *r)
 {
     const struct newmark *p = params;
-    for (size_t i = 0; i < r->n; i++)
-        for (size_t k = 0; k < 3; k++) {
-            double *guess = &r->extra[0][4 * i + k], a = r->a[i * r->stride + k], off = a - *guess;
-            if (r->x)
-                r->x[4 * i + k] += p->beta * r->dt[k] * r->dt[k] * off;
-            r->v[i * r->stride + k] += p->gamma * r->dt[k] * off;
-            *guess = a;
-        }
+    if (r->x && p->beta > 0)
+        correct_place(r->n, r->stride, p->beta, r->dt, r->x, r->a, r->extra[0]);
+    correct(r->n, r->stride, p->gamma, r->dt, r->v, r->a, r->extra[0]);
 }
 
 static const struct calx_stage stages[EVALUATIONS_MAX] = {

@@ -11,18 +11,43 @@
 
 #include "core/plugin.h"
 
-/* One body. The fourth number of u is the step it was made with: when it differs (at the start, or
- * after a change of step) the displacement is begun anew from the velocity. v becomes u/dt. */
-static inline void advance(const double *restrict dt, double step, double *restrict v,
-                           const double *restrict a, double *restrict u)
+/* The displacement that a step began with, from the velocity: of bodies whose u was not made with this step, at the start or after a
+ * change of it. The fourth number of u is the step it was made with. */
+static void begin(size_t n, size_t stride, double step, const double *dt, const double *v, const double *a, double *u)
 {
-    int start = u[3] != step;
-    for (int k = 0; k < 3; k++) {
-        double before = start ? v[k] * dt[k] - 0.5 * a[k] * dt[k] * dt[k] : u[k];
-        u[k] = before + a[k] * dt[k] * dt[k];
-        v[k] = dt[k] > 0 ? u[k] / dt[k] : v[k];
+    for (size_t i = 0; i < n; i++) {
+        if (u[4 * i + 3] == step)
+            continue;
+        for (size_t k = 0; k < 3; k++)
+            u[4 * i + k] = v[i * stride + k] * dt[k] - 0.5 * a[i * stride + k] * dt[k] * dt[k];
+        u[4 * i + 3] = step;
     }
-    u[3] = step;
+}
+
+/* u goes on, v becomes u/dt; lanes without a step stay. */
+CALX_KERNEL static void advance(size_t n, size_t stride, const double *restrict dt, double *restrict v, const double *restrict a,
+                                double *restrict u)
+{
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 4; k++) {
+            double next = u[4 * i + k] + a[i * stride + k] * dt[k] * dt[k];
+            v[i * stride + k] = dt[k] > 0 ? next / dt[k] : v[i * stride + k];
+            u[4 * i + k] = next;
+        }
+}
+
+CALX_KERNEL static void go(size_t n, const double *restrict dt, double *restrict x, const double *restrict u)
+{
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 4; k++)
+            x[4 * i + k] += dt[k] > 0 ? u[4 * i + k] : 0;
+}
+
+CALX_KERNEL static void half_kick(size_t n, size_t stride, const double *restrict dt, double *restrict v, const double *restrict a)
+{
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 4; k++)
+            v[i * stride + k] += 0.5 * dt[k] * a[i * stride + k];
 }
 
 /* The step itself: dt is 0 in lanes that do not move. */
@@ -35,25 +60,20 @@ static double longest(const double *dt)
 static void turn(const void *params, const struct calx_rows *r)
 {
     (void)params;
-    for (size_t i = 0; i < r->n; i++)
-        advance(r->dt, longest(r->dt), r->v + i * r->stride, r->a + i * r->stride,
-                r->extra[0] + 4 * i);
+    begin(r->n, r->stride, longest(r->dt), r->dt, r->v, r->a, r->extra[0]);
+    advance(r->n, r->stride, r->dt, r->v, r->a, r->extra[0]);
 }
 
 static void move(const void *params, const struct calx_rows *r)
 {
     turn(params, r);
-    for (size_t i = 0; i < r->n; i++)
-        for (size_t k = 0; k < 3; k++)
-            r->x[4 * i + k] += r->extra[0][4 * i + k];
+    go(r->n, r->dt, r->x, r->extra[0]);
 }
 
 static void finish(const void *params, const struct calx_rows *r)
 {
     (void)params;
-    for (size_t i = 0; i < r->n; i++)
-        for (size_t k = 0; k < 3; k++)
-            r->v[i * r->stride + k] += 0.5 * r->dt[k] * r->a[i * r->stride + k];
+    half_kick(r->n, r->stride, r->dt, r->v, r->a);
 }
 
 static const struct calx_stage translation[] = {{.before = move, .after = finish}};
