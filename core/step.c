@@ -216,22 +216,40 @@ static int end_stage(struct calx_sim *s, struct calx_error *e)
     return calx_step_begin_stage(s, s->stage + 1, e);
 }
 
-/* New laws start with contacts that have no past; the energy they find or lose is work from outside. */
-static int change_models(struct calx_sim *s, const struct calx_plan *plan, struct calx_error *e)
+/* Whether contacts mean the same to both: the same laws keep the same of them. Parameters may differ. */
+static bool same_contacts(const struct calx_plan *a, const struct calx_plan *b)
 {
-    double before = calx_ledger_mechanical(s);
-    s->plan = plan;
+    bool same = a->law_count == b->law_count && a->history == b->history && a->nonsmooth == b->nonsmooth && a->resolves == b->resolves &&
+                memcmp(a->history_is_vector, b->history_is_vector, sizeof a->history_is_vector) == 0;
+    for (size_t l = 0; same && l < a->law_count; l++)
+        same = a->laws[l].plugin == b->laws[l].plugin && a->laws[l].first_history == b->laws[l].first_history &&
+               a->laws[l].demand.history_vectors == b->laws[l].demand.history_vectors;
+    return same;
+}
+
+static int forget_contacts(struct calx_sim *s, struct calx_error *e)
+{
     memset(s->pairs.touching, 0, s->pairs.places / 8);
     for (size_t b = 0; b < s->block_count; b++)
         s->blocks[b].wall_count = 0;
     free(s->pairs.history);
-    s->pairs.history = calx_memory_zeroed(s->pairs.places * plan->history, sizeof(double));
-    s->built = false;
-    if (!s->pairs.history)
-        return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for contact history");
+    s->pairs.history = calx_memory_zeroed(s->pairs.places * s->plan->history, sizeof(double));
+    return s->pairs.history ? 0 : calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for contact history");
+}
+
+/* Contacts go on if they mean the same to the models before and after, else new laws start with contacts that have no past. The energy they find
+ * or lose is work from outside. Impulses stay those of the last step. */
+static int change_models(struct calx_sim *s, const struct calx_plan *plan, struct calx_error *e)
+{
+    double before = calx_ledger_mechanical(s);
+    bool go_on = same_contacts(s->plan, plan);
+    s->built = go_on && plan->gap <= s->plan->gap;
+    s->plan = plan;
     s->trusted = 0.0;
     calx_motion_forget(s);
-    CALX_TRY(calx_step_forces(s, &(struct calx_pass){.stage = -1}, e));
+    if (!go_on)
+        CALX_TRY(forget_contacts(s, e));
+    CALX_TRY(go_on && plan->nonsmooth ? calx_step_lists(s, e) : calx_step_forces(s, &(struct calx_pass){.stage = -1}, e));
     CALX_TRY(calx_motion_start(s, e));
     s->outside_work += calx_ledger_mechanical(s) - before;
     return 0;

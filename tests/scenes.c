@@ -253,6 +253,24 @@ size_t scene_stage(struct calx_scene *s)
     return s->stage_count++;
 }
 
+struct calx_models *scene_models_anew(struct calx_scene *s, size_t stage)
+{
+    size_t k = s->models_count;
+    s->models = grow(s->models, k, sizeof *s->models);
+    struct calx_models *to = &s->models[k];
+    *to = s->models[0];
+    to->list = zeroed(to->count, sizeof *to->list);
+    for (size_t m = 0; m < to->count; m++) {
+        const struct calx_model *from = &s->models[0].list[m];
+        to->list[m] = *from;
+        to->list[m].values = zeroed(from->value_count, sizeof *from->values);
+        if (from->value_count)
+            memcpy(to->list[m].values, from->values, from->value_count * sizeof *from->values);
+    }
+    s->stages[stage].models = (int)s->models_count++;
+    return to;
+}
+
 struct run run_start(struct calx_scene *scene, int threads)
 {
     struct calx_error e = {0};

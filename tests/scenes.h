@@ -73,6 +73,8 @@ void scene_wall_temperature(struct calx_scene *, int wall, double temperature);
 struct calx_motion *scene_motion(struct calx_scene *, size_t stage, int wall);
 /* Adds a copy of the last stage; returns its index. */
 size_t scene_stage(struct calx_scene *);
+/* Gives the stage models of its own, at first those of the first set; returns them. */
+struct calx_models *scene_models_anew(struct calx_scene *, size_t stage);
 
 /* Makes the simulation; the run owns the scene. */
 struct run run_start(struct calx_scene *, int threads);

@@ -390,6 +390,48 @@ START_TEST(stages_hand_over)
 }
 END_TEST
 
+/* Three spheres that meet and rub with friction, without damping. `change`: in the middle of it models come that are the same, or that have a
+ * step of half the length. */
+static struct run rubbed(double change, double end)
+{
+    struct calx_scene *s = scene_create(3, CALX_SPHERES, 3);
+    scene_linear(s, STIFFNESS, NAN, 0.4, step_for(100.0));
+    for (size_t i = 0; i < 3; i++)
+        scene_put(s, i, 1.977 * RADIUS * (double)i, i == 1 ? 0.3 * RADIUS : 0.0, 0.0, RADIUS);
+    scene_move(s, 0, 0.2, 0.1, 0.05);
+    scene_move(s, 2, -0.2, 0.0, -0.1);
+    s->stages[0].duration = end;
+    if (change > 0.0) {
+        s->stages[0].duration = 0.4 * end;
+        size_t second = scene_stage(s);
+        s->stages[second].duration = 0.6 * end;
+        scene_models_anew(s, second)->dt *= change;
+    }
+    struct run r = run_start(s, 1);
+    while (!calx_sim_done(r.sim))
+        run_steps(&r, 1);
+    return r;
+}
+
+/* Other models with the same contact laws take contacts over as they are, with their tangential springs: the same models change nothing but
+ * roundings, half the step what half the step does, of second order. */
+START_TEST(contacts_go_on_under_new_models)
+{
+    const double end = 40.0 * step_for(100.0);
+    struct run whole = rubbed(0.0, end), same = rubbed(1.0, end), finer = rubbed(0.5, end);
+    ck_assert_int_eq(calx_sim_stage(same.sim), 1);
+    ck_assert_uint_eq(calx_sim_contact_count(whole.sim), 2);
+    for (int64_t i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) {
+            ck_assert_double_eq_tol(run_v(&same, i)[k], run_v(&whole, i)[k], 1e-14);
+            ck_assert_double_eq_tol(run_v(&finer, i)[k], run_v(&whole, i)[k], 0.2 * pow(M_PI / 100.0, 2));
+        }
+    run_free(&whole);
+    run_free(&same);
+    run_free(&finer);
+}
+END_TEST
+
 int main(void)
 {
     const TTest *tests[] = {overlaps_at_the_start,
@@ -400,6 +442,7 @@ int main(void)
                             a_common_flight_does_not_matter,
                             friction_turns_with_the_bodies,
                             far_away_is_as_here,
-                            stages_hand_over};
+                            stages_hand_over,
+                            contacts_go_on_under_new_models};
     return run_tests("engine", sizeof tests / sizeof *tests, tests);
 }

@@ -27,6 +27,33 @@ START_TEST(a_column_rests)
 }
 END_TEST
 
+/* A second stage has a solver of its own: the column has its weights from the first step on, which starts from the impulses of the last. */
+START_TEST(a_column_rests_under_another_solver)
+{
+    enum { N = 10, STEPS = 50 };
+    struct calx_scene *s = rigid_column(N, DENSITY, 1e-3, (struct given[]){{"tolerance", 1e-12}, {NULL, 0.0}});
+    s->stages[0].duration = STEPS * 1e-3;
+    size_t second = scene_stage(s);
+    s->stages[second].duration = INFINITY;
+    struct calx_models *models = scene_models_anew(s, second);
+    for (size_t m = 0; m < models->count; m++)
+        for (size_t v = 0; v < models->list[m].value_count; v++)
+            if (strcmp(models->list[m].values[v].name, "tolerance") == 0)
+                models->list[m].values[v].value = 1e-10;
+    struct run r = run_start(s, 1);
+    for (int step = 0; step < STEPS + 2; step++) {
+        double residual;
+        run_steps(&r, 1);
+        ck_assert_double_lt(fabs(r.sim->wall_force[0][2] + rigid_weight(&r, N)), 1e-9 * rigid_weight(&r, N));
+        ck_assert_uint_eq(calx_sim_contact_count(r.sim), N);
+        if (step >= STEPS)
+            ck_assert_double_eq(calx_sim_solver(r.sim, &residual), 1.0);
+    }
+    ck_assert_int_eq(calx_sim_stage(r.sim), 1);
+    run_free(&r);
+}
+END_TEST
+
 /* ---- impacts ---- */
 
 static struct calx_scene *ball(double height, double restitution, double dt, double theta)
@@ -253,7 +280,7 @@ END_TEST
 
 int main(void)
 {
-    const TTest *tests[] = {a_column_rests, a_ball_bounces_through_its_accumulation_point, an_impact_heats_both_bodies,
+    const TTest *tests[] = {a_column_rests, a_column_rests_under_another_solver, a_ball_bounces_through_its_accumulation_point, an_impact_heats_both_bodies,
                             a_block_slides_above_the_critical_angle, spheres_and_discs_roll, sliding_ends,
                             a_disc_lies_in_a_groove, the_ledger_closes, momentum_stays_and_energy_does_not_grow,
                             a_shaken_floor_carries_a_ball};
