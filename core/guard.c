@@ -137,10 +137,12 @@ int calx_guard_all(struct calx_sim *s, struct calx_error *e)
 int calx_sim_guard(struct calx_sim *s, struct calx_error *e)
 {
     double depth = s->overlap_seen, trusted = s->trusted;
-    int64_t contacts = s->contacts_seen;
+    int64_t contacts = s->contacts_seen, due = s->look_due;
+    s->look_due = s->step;
     int code = calx_guard_all(s, e);
     s->overlap_seen = depth; /* who looks, and when, changes nothing */
     s->contacts_seen = contacts;
+    s->look_due = due;
     s->trusted = trusted;
     return code;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * Guards that look at contacts: each must be resolved by some steps, and the step must be stable in the network that they form. A look
- * costs as much as a few steps, so it is made every CALX_SELDOM steps and when contacts may have become stiffer than any seen: when
- * overlaps reach half as much again as at the last look (stiffness grows with the overlap or not at all), and, if a contact that is to be
+ * costs as much as ten steps, so it is made every CALX_SELDOM steps, more seldom where the step is far below the limit, and when contacts may
+ * have become stiffer than any seen: when overlaps reach half as much again as at the last look (stiffness grows with the overlap or not at all), and, if a contact that is to be
  * expected would be too short, when contacts come, but for that not in each of many steps. A step that follows the contacts (pace.c) needs no look.
  */
 #include "core/guard.h"
@@ -17,6 +17,9 @@
 static const double LEAST_STEPS = 10.0; /* in half a period of a contact */
 static const double DEEPER = 1.5;
 enum { LOOK_EVERY = 128 }; /* steps: a quick look costs as much as one or two of them, iterations a hundred times that */
+/* At the limit a look is due every CALX_SELDOM steps. Below it, the stiffness on a body must first grow with the square of what the step is short
+ * of it, contact by contact if overlaps do not grow: so many times, up to this many, are left out. */
+static const double MOST_LEFT_OUT = 16.0;
 /* Of what the iterations found of the limit beyond its quick bound, for the looks that follow: the shape of the network decides it. */
 static const double TRUSTED = 0.9;
 static const double ADVISED_STEPS = 20.0, ADVISED_SHARE = 0.5;
@@ -124,14 +127,19 @@ int calx_guard_contacts(struct calx_sim *s, struct calx_error *e)
 {
     struct calx_stability now;
     double depth, dt = s->dt;
+    int64_t contacts;
     if (!s->plan->motion || !s->plan->law_count || s->plan->nonsmooth || s->plan->models->forced || calx_pace_resolves(s->plan, LEAST_STEPS))
         return 0;
-    note_contacts(s, &depth, &s->contacts_seen);
+    note_contacts(s, &depth, &contacts);
+    if (s->step < s->look_due && depth <= DEEPER * s->overlap_seen)
+        return 0;
+    s->contacts_seen = contacts;
     s->overlap_seen = fmax(s->overlap_seen, depth);
     CALX_TRY(calx_stability_look(s, CALX_QUICK, &now, e));
     if (now.shortest < LEAST_STEPS * dt)
         return too_short(s, &now, e);
-    double quick = now.limit;
+    double quick = now.limit, room = fmin(fmax(quick / dt * (quick / dt), 1.0), MOST_LEFT_OUT);
+    s->look_due = s->step + CALX_SELDOM * (int64_t)room;
     if (dt <= quick * fmax(s->trusted, 1.0))
         return 0;
     CALX_TRY(calx_stability_look(s, CALX_SHARP, &now, e));
@@ -147,7 +155,9 @@ int calx_guard_contacts_step(struct calx_sim *s, struct calx_error *e)
         return 0;
     note_contacts(s, &depth, &contacts);
     bool come = contacts != s->contacts_seen && s->plan->shortest < LEAST_STEPS * s->dt && s->step >= s->look_from;
-    if (come) /* in a bed contacts come in every step */
+    if (come) { /* in a bed contacts come in every step */
         s->look_from = s->step + LOOK_EVERY;
+        s->look_due = s->step;
+    }
     return come || depth > DEEPER * s->overlap_seen ? calx_guard_contacts(s, e) : 0;
 }

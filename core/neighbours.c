@@ -150,8 +150,7 @@ static void lay_block(struct calx_rebuild *r, size_t b)
     const struct calx_row_block *block = &r->new_blocks[b];
     const struct calx_local *l = &r->local[b];
     size_t first = (size_t)block->first;
-    for (size_t k = 0; k < (size_t)block->own; k++)
-        calx_rows_copy(&r->rows, first + k, &r->sim->r, (size_t)r->old_row[b * CALX_BLOCK + k]);
+    calx_rows_fill(r->sim, &r->rows, first, &r->sim->r, r->old_row + b * CALX_BLOCK, (size_t)block->own, l->ghosts);
     for (size_t g = 0; g < l->ghosts; g++) {
         size_t owner = (size_t)l->ghost[g] / CALX_BLOCK, row = first + (size_t)block->own + g;
         r->rows.source[row] = r->new_blocks[owner].first + l->ghost[g] % CALX_BLOCK;
@@ -192,8 +191,8 @@ static int list_contributions(struct calx_rebuild *r)
     size_t *at = calloc(r->blocks + 2, sizeof *at), total = r->rows.rows - r->n;
     free(s->collect_to);
     free(s->collect_from);
-    s->collect_to = calx_memory_zeroed(total, sizeof *s->collect_to);
-    s->collect_from = calx_memory_zeroed(total, sizeof *s->collect_from);
+    s->collect_to = calx_memory_to_fill(total, sizeof *s->collect_to);
+    s->collect_from = calx_memory_to_fill(total, sizeof *s->collect_from);
     int failed = !at || !s->collect_to || !s->collect_from;
     for (size_t b = 0; !failed && b < r->blocks; b++)
         for (size_t g = 0; g < r->local[b].ghosts; g++)
@@ -241,7 +240,7 @@ static int prepare(struct calx_rebuild *r)
     struct calx_sim *s = r->sim;
     r->old_row = malloc((r->n + 1) * sizeof *r->old_row);
     r->new_place = malloc((s->r.rows + 1) * sizeof *r->new_place);
-    r->x = calx_memory_zeroed(r->n, 4 * sizeof *r->x);
+    r->x = calx_memory_to_fill(r->n, 4 * sizeof *r->x);
     r->found = calloc(r->blocks + 1, sizeof *r->found);
     r->local = calloc(r->blocks + 1, sizeof *r->local);
     return !r->old_row || !r->new_place || !r->x || !r->found || !r->local;

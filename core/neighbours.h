@@ -44,11 +44,13 @@ struct calx_rebuild {
 /* localise.c: turns found pairs into block-local ones. 0, or 1 without memory. */
 int calx_localise(struct calx_rebuild *);
 
-/* rows.c: allocates the arrays of a row layout, copies rows into a new order, frees. */
+/* rows.c: allocates the arrays of a row layout, to be filled; 0, or 1 without memory. */
 int calx_rows_allocate(const struct calx_sim *, struct calx_rows_arrays *, size_t rows);
+/* Rows first..first+n become copies of from's row[0..n]; the `ghosts` rows after them are zero. */
+void calx_rows_fill(const struct calx_sim *, struct calx_rows_arrays *to, size_t first, struct calx_rows_arrays *from, const int32_t *row,
+                    size_t n, size_t ghosts);
+void calx_rows_clear(const struct calx_sim *, struct calx_rows_arrays *);
 void calx_rows_free(struct calx_rows_arrays *);
-void calx_rows_copy(struct calx_rows_arrays *to, size_t to_row, const struct calx_rows_arrays *from,
-                    size_t from_row);
 
 /* Every array that exists in this layout, with its bytes per row, for restart and memory figures. views: room for 32. */
 struct calx_row_view {

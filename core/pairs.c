@@ -16,7 +16,7 @@
 #include "core/pairs.h"
 #include "core/vector.h"
 
-enum { CLASSES = 24 };
+enum { CLASSES = 24, PLACE = 4, COLUMNS };
 
 struct grid {
     size_t members;
@@ -24,10 +24,8 @@ struct grid {
     int cells[3];
     bool brief[3]; /* periodic with less than three cells: the nearest image is not that of the cell */
     double low[3], inverse[3];
-    int32_t *start;  /* cells + 1 */
-    int32_t *last;   /* the latest member of each cell, -1 if empty */
-    int32_t *index;  /* members by cell */
-    double *member[4]; /* their x, y, z, R, by cell */
+    int32_t *start;           /* cells + 1 */
+    double *member[COLUMNS];  /* of the members by cell: x, y, z, R and place in the order of particles */
 };
 
 struct search {
@@ -99,13 +97,10 @@ static int fill_grid(const struct search *s, int c, struct grid *g)
     size_t cells = (size_t)g->cells[0] * g->cells[1] * g->cells[2];
     bool there = true;
     g->start = calloc(cells + 2, sizeof *g->start);
-    g->last = malloc((cells + 1) * sizeof *g->last);
-    g->index = malloc((g->members + 8) * sizeof *g->index);
-    for (int k = 0; k < 4; k++)
-        there &= (g->member[k] = calx_memory_zeroed(g->members + 8, sizeof **g->member)) != NULL;
-    if (!g->start || !g->last || !g->index || !there)
+    for (int k = 0; k < COLUMNS; k++)
+        there &= (g->member[k] = calx_memory_to_fill(g->members, sizeof **g->member)) != NULL;
+    if (!g->start || !there)
         return 1;
-    memset(g->last, 0xff, (cells + 1) * sizeof *g->last);
 #pragma omp parallel for schedule(static) num_threads(in->threads) if (in->threads > 1)
     for (size_t i = 0; i < in->n; i++)
         s->cell[i] = s->class_of[i] == c ? (int32_t)cell_of(g, in->x + 4 * i) : -1;
@@ -116,11 +111,11 @@ static int fill_grid(const struct search *s, int c, struct grid *g)
         g->start[k + 2] += g->start[k + 1];
     for (size_t i = 0; i < in->n; i++)
         if (s->cell[i] >= 0)
-            g->last[s->cell[i]] = g->index[g->start[s->cell[i] + 1]++] = (int32_t)i;
+            g->member[PLACE][g->start[s->cell[i] + 1]++] = (double)i;
 #pragma omp parallel for schedule(static) num_threads(in->threads) if (in->threads > 1)
     for (size_t at = 0; at < g->members; at++)
-        for (size_t k = 0; k < 4; k++)
-            g->member[k][at] = in->x[4 * (size_t)g->index[at] + k];
+        for (size_t k = 0; k < PLACE; k++)
+            g->member[k][at] = in->x[4 * (size_t)g->member[PLACE][at] + k];
     return 0;
 }
 
@@ -170,21 +165,28 @@ static int short_turns(const struct calx_pairs_input *in, const struct grid *g, 
     return packed;
 }
 
-/* Bit k is set where member first + k is within reach of a. */
+/* A particle that looks for partners: itself as seen from the cells looked into, which are `shift` away. */
+struct seeker {
+    double place, after; /* its own; partners come later in order than the second */
+    double at[3], reach;
+    int shift;
+};
+
+/* Bit k is set where member first + k is a partner. */
 static inline __attribute__((always_inline)) unsigned within(const struct calx_pairs_input *in, const struct grid *g,
-                                                             const double *a, double reach, size_t first, const bool any_brief)
+                                                             const struct seeker *p, size_t first, const bool any_brief)
 {
-    calx_v8 square = {0}, radius = calx_v8_load_unaligned(g->member[3] + first) + reach;
+    calx_v8 square = {0}, zero = {0}, radius = calx_v8_load_unaligned(g->member[3] + first) + p->reach;
     for (int k = 0; k < 3; k++) {
-        calx_v8 d = a[k] - calx_v8_load_unaligned(g->member[k] + first);
+        calx_v8 d = p->at[k] - calx_v8_load_unaligned(g->member[k] + first);
         if (any_brief && g->brief[k]) {
-            calx_v8 half = (calx_v8){0} + 0.5 * in->length[k], zero = {0};
+            calx_v8 half = zero + 0.5 * in->length[k];
             d -= calx_v8_positive(d - half, zero + in->length[k], zero);
             d += calx_v8_positive(-half - d, zero + in->length[k], zero);
         }
         square += d * d;
     }
-    return calx_v8_less(square, radius * radius);
+    return calx_v8_less(square, radius * radius) & calx_v8_less(zero + p->after, calx_v8_load_unaligned(g->member[PLACE] + first));
 }
 
 static uint8_t opposite(uint8_t shift)
@@ -192,54 +194,50 @@ static uint8_t opposite(uint8_t shift)
     return (uint8_t)(26 - shift);
 }
 
-/* A particle that looks for partners: itself as seen from the cells looked into, which are `shift` away. */
-struct seeker {
-    int32_t i;
-    bool later;      /* takes partners later in order alone */
-    double at[3], reach;
-    int shift;
-};
-
 /* Partners among the members first..last of a grid. */
 static int match(const struct calx_pairs_input *in, const struct grid *g, const struct seeker *p, int32_t first, int32_t last,
                  struct calx_found_list *out)
 {
     const bool any_brief = g->brief[0] || g->brief[1] || g->brief[2];
     for (int32_t m = first; m < last; m += 8) {
-        unsigned bits = any_brief ? within(in, g, p->at, p->reach, (size_t)m, true)
-                                  : within(in, g, p->at, p->reach, (size_t)m, false);
+        unsigned bits = any_brief ? within(in, g, p, (size_t)m, true) : within(in, g, p, (size_t)m, false);
         bits &= last - m < 8 ? (1u << (last - m)) - 1 : 0xffu;
         if (bits && reserve(out, 8))
             return 1;
         for (; bits; bits &= bits - 1) {
             size_t at = (size_t)m + (size_t)__builtin_ctz(bits);
-            int32_t j = g->index[at];
+            int32_t i = (int32_t)p->place, j = (int32_t)g->member[PLACE][at];
             uint8_t shift = (uint8_t)(p->shift + (any_brief ? short_turns(in, g, p->at, at) : 0));
-            out->list[out->count] =
-                j < p->i ? (struct calx_found){j, p->i, opposite(shift)} : (struct calx_found){p->i, j, shift};
-            out->count += !p->later || j > p->i;
+            out->list[out->count++] = j < i ? (struct calx_found){j, i, opposite(shift)} : (struct calx_found){i, j, shift};
         }
     }
     return 0;
 }
 
-/* The cells to visit along one axis, each once: the cell of x and its neighbours, and how many turns away they are. */
+/* The cells to visit along one axis, each once: that of x and its neighbours, and how many turns away they are. Joined, those next to each other
+ * are one run. */
 struct visit {
-    int count, cell[3], turns[3];
+    int count, cell[3], run[3], turns[3];
 };
 
-static void visit_axis(const struct calx_pairs_input *in, const struct grid *g, int k, double x, struct visit *v)
+static void visit_axis(const struct calx_pairs_input *in, const struct grid *g, int k, double x, bool joined, struct visit *v)
 {
-    int c = cell_along(g, k, x), n = g->cells[k];
+    int c = cell_along(g, k, x), n = g->cells[k], seen = 0;
+    v->count = 0;
     for (int d = -1; d <= 1; d++) {
-        int e = c + d, turns = (e >= n) - (e < 0);
-        if (turns && !in->periodic[k])
+        int e = c + d, turns = (e >= n) - (e < 0), last = v->count - 1;
+        if ((turns && !in->periodic[k]) || seen == n)
             continue;
         e -= turns * n;
-        if (n < 3 && v->count > 0 && (e == v->cell[0] || (v->count == 2 && e == v->cell[1])))
+        turns = g->brief[k] ? 0 : turns;
+        seen++;
+        if (joined && last >= 0 && e == v->cell[last] + v->run[last] && turns == v->turns[last]) {
+            v->run[last]++;
             continue;
+        }
         v->cell[v->count] = e;
-        v->turns[v->count++] = g->brief[k] ? 0 : turns;
+        v->run[v->count] = 1;
+        v->turns[v->count++] = turns;
     }
 }
 
@@ -257,27 +255,19 @@ static int search_grid(const struct search *s, const struct grid *g, int32_t i, 
                        struct calx_found_list *out)
 {
     const double *a = s->in->x + 4 * (size_t)i;
-    struct seeker p = {.i = i, .later = later, .reach = a[3] + s->in->skin};
-    int32_t from = later ? i + 1 : 0; /* cells without a later member are passed over */
-    struct visit v[3] = {{0}}, *vx = &v[0], *vy = &v[1], *vz = &v[2];
+    struct seeker p = {.place = i, .after = later ? i : -1, .reach = a[3] + s->in->skin};
+    struct visit v[3], *vx = &v[0], *vy = &v[1], *vz = &v[2];
     for (int k = 0; k < 3; k++)
-        visit_axis(s->in, g, k, a[k], &v[k]);
+        visit_axis(s->in, g, k, a[k], k == 0, &v[k]);
     for (int z = 0; z < vz->count; z++)
-        for (int y = 0; y < vy->count; y++) {
-            size_t line = ((size_t)vz->cell[z] * g->cells[1] + vy->cell[y]) * g->cells[0];
+        for (int y = 0; y < vy->count; y++)
             for (int x = 0; x < vx->count; x++) {
-                if (g->last[line + vx->cell[x]] < from)
-                    continue;
-                int run = 1; /* neighbouring cells of a line are one range */
-                while (x + run < vx->count && vx->cell[x + run] == vx->cell[x] + run && vx->turns[x + run] == vx->turns[x] &&
-                       g->last[line + vx->cell[x + run]] >= from)
-                    run++;
+                size_t line = ((size_t)vz->cell[z] * g->cells[1] + vy->cell[y]) * g->cells[0];
+                const int32_t *start = g->start + line + vx->cell[x];
                 place_seeker(s->in, a, (const int[3]){vx->turns[x], vy->turns[y], vz->turns[z]}, &p);
-                if (match(s->in, g, &p, g->start[line + vx->cell[x]], g->start[line + vx->cell[x] + run], out))
+                if (match(s->in, g, &p, start[0], start[vx->run[x]], out))
                     return 1;
-                x += run - 1;
             }
-        }
     return 0;
 }
 
@@ -330,9 +320,7 @@ int CALX_ISA(calx_pairs_find)(const struct calx_pairs_input *in, struct calx_fou
         failed = redistribute(blocks, in->block, lists);
     for (int c = 0; c < CLASSES; c++) {
         free(s.grid[c].start);
-        free(s.grid[c].last);
-        free(s.grid[c].index);
-        for (int k = 0; k < 4; k++)
+        for (int k = 0; k < COLUMNS; k++)
             free(s.grid[c].member[k]);
     }
     free(s.class_of);

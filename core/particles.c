@@ -53,6 +53,7 @@ int calx_particles_create(struct calx_sim *s, struct calx_error *e)
     s->groups = calloc(s->block_count + 1, sizeof *s->groups);
     if (!s->blocks || !s->groups || n > INT32_MAX / 4 || calx_rows_allocate(s, &s->r, n))
         return calx_error_set(e, CALX_ERROR_MEMORY, "not enough memory for %zu particles", n);
+    calx_rows_clear(s, &s->r);
     for (size_t b = 0; b < s->block_count; b++) {
         s->blocks[b].first = (int32_t)(b * CALX_BLOCK);
         s->blocks[b].own = (int32_t)(n - b * CALX_BLOCK < CALX_BLOCK ? n - b * CALX_BLOCK : CALX_BLOCK);

@@ -20,7 +20,7 @@ struct scalars {
     long double dissipated, wall_work, outside_work, wall_heat, dissipation_heat, energy0, heat0;
     double wall_power, potential0, scale, heat_scale, coldest, hottest, overlap_seen, trusted;
     double dt, heat_dt, pace_time, pace_overlap, checked;
-    int64_t contacts_seen, look_from, heat_every, pace_step, pace_level, pace_due;
+    int64_t contacts_seen, look_from, look_due, heat_every, pace_step, pace_level, pace_due;
     struct calx_peak peak;
     double sweeps, residual;
 };
@@ -48,7 +48,8 @@ struct scalars {
         (to)->potential0 = (from)->potential0, (to)->scale = (from)->scale;                        \
         (to)->coldest = (from)->coldest, (to)->hottest = (from)->hottest;                          \
         (to)->overlap_seen = (from)->overlap_seen, (to)->contacts_seen = (from)->contacts_seen;    \
-        (to)->look_from = (from)->look_from, (to)->trusted = (from)->trusted;                                                       \
+        (to)->look_from = (from)->look_from, (to)->look_due = (from)->look_due;                    \
+        (to)->trusted = (from)->trusted;                                                           \
         (to)->dt = (from)->dt, (to)->heat_dt = (from)->heat_dt;                                    \
         (to)->heat_every = (from)->heat_every, (to)->pace_time = (from)->pace_time;                \
         (to)->pace_step = (from)->pace_step, (to)->pace_level = (from)->pace_level;                \

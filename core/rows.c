@@ -68,7 +68,7 @@ int calx_rows_allocate(const struct calx_sim *s, struct calx_rows_arrays *r, siz
     r->stride = stride;
     for (size_t k = 0; k < count; k++)
         if (list[k].present &&
-            !(*array_at(r, list[k].offset) = calx_memory_zeroed(rows, list[k].bytes)))
+            !(*array_at(r, list[k].offset) = calx_memory_to_fill(rows, list[k].bytes)))
             return 1;
     return 0;
 }
@@ -95,22 +95,41 @@ void calx_rows_free(struct calx_rows_arrays *r)
     memset(r, 0, sizeof *r);
 }
 
-void calx_rows_copy(struct calx_rows_arrays *to, size_t t, const struct calx_rows_arrays *from, size_t f)
+/* Rows of one length, which the compiler knows. */
+static inline __attribute__((always_inline)) void gather(char *to, const char *from, const int32_t *row, size_t n, size_t bytes)
 {
-    memcpy(to->x + 4 * t, from->x + 4 * f, 4 * sizeof(double));
-    memcpy(to->v + to->stride * t, from->v + to->stride * f, to->stride * sizeof(double));
-    memcpy(to->a + to->stride * t, from->a + to->stride * f, to->stride * sizeof(double));
-    to->id[t] = from->id[f];
-    to->material[t] = from->material[f];
-    if (to->inverse_capacity)
-        to->inverse_capacity[t] = from->inverse_capacity[f];
-    if (to->heat_store)
-        to->heat_store[t] = from->heat_store[f];
-    if (to->image)
-        memcpy(to->image[t], from->image[f], sizeof to->image[t]);
-    for (size_t k = 0; k < 2 * CALX_EXTRA_MAX; k++)
-        if (to->extra[k])
-            memcpy(to->extra[k] + 4 * t, from->extra[k] + 4 * f, 4 * sizeof(double));
+    for (size_t k = 0; k < n; k++)
+        memcpy(to + bytes * k, from + bytes * (size_t)row[k], bytes);
+}
+
+static void gather_any(char *to, const char *from, const int32_t *row, size_t n, size_t bytes)
+{
+    switch (bytes) {
+    case 4: gather(to, from, row, n, 4); break;
+    case 8: gather(to, from, row, n, 8); break;
+    case 32: gather(to, from, row, n, 32); break;
+    case 64: gather(to, from, row, n, 64); break;
+    default: gather(to, from, row, n, bytes);
+    }
+}
+
+void calx_rows_fill(const struct calx_sim *s, struct calx_rows_arrays *to, size_t first, struct calx_rows_arrays *from,
+                    const int32_t *row, size_t n, size_t ghosts)
+{
+    struct row_array list[ROW_ARRAYS + 2 * CALX_EXTRA_MAX];
+    size_t count = list_arrays(s, to->stride, list);
+    for (size_t k = 0; k < count; k++) {
+        if (!list[k].present)
+            continue;
+        char *start = (char *)*array_at(to, list[k].offset) + list[k].bytes * first;
+        gather_any(start, *array_at(from, list[k].offset), row, n, list[k].bytes);
+        memset(start + list[k].bytes * n, 0, list[k].bytes * ghosts);
+    }
+}
+
+void calx_rows_clear(const struct calx_sim *s, struct calx_rows_arrays *r)
+{
+    calx_rows_fill(s, r, 0, r, NULL, 0, r->rows);
 }
 
 int64_t calx_row_id(const struct calx_sim *s, int32_t row)

@@ -301,6 +301,7 @@ struct calx_sim {
     double trusted;             /* the limit of the contacts over its quick bound, as the iterations found it, less a margin; 0: not made */
     int64_t contacts_seen;      /* and how many there were */
     int64_t look_from;          /* the step from which new contacts are a reason to look again */
+    int64_t look_due;           /* and that from which the next look is due without one */
 
     struct calx_peak peak;      /* the largest force (peak.c) */
     double peak_seconds;        /* that looking for it took */
@@ -384,8 +385,9 @@ const struct calx_engine *calx_engine_pick(const char **name);
 
 /* ---- the parts, in the order of the data flow ---------------------------------------------------------- */
 
-/* memory.c: zeroed, aligned to 64 bytes; NULL without memory. */
+/* memory.c: aligned to 64 bytes; NULL without memory. */
 void *calx_memory_zeroed(size_t count, size_t size);
+void *calx_memory_to_fill(size_t count, size_t size); /* the elements are for the caller to write; what follows them is zero */
 
 /* plan.c */
 int calx_plan_create(struct calx_sim *, struct calx_error *);

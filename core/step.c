@@ -246,6 +246,7 @@ static int change_models(struct calx_sim *s, const struct calx_plan *plan, struc
     s->built = go_on && plan->gap <= s->plan->gap;
     s->plan = plan;
     s->trusted = 0.0;
+    s->look_due = s->step;
     calx_motion_forget(s);
     if (!go_on)
         CALX_TRY(forget_contacts(s, e));
