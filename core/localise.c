@@ -99,21 +99,6 @@ struct raw_pair {
     bool same_way;
 };
 
-/* A pair that touched at the last evaluation that counts is evaluated once more, wherever it is now. */
-static enum calx_nearness nearness_of(const struct calx_rebuild *r, const struct calx_found *f, int64_t kept)
-{
-    const struct calx_sim *s = r->sim;
-    const double *a = r->x + 4 * (size_t)f->i, *b = r->x + 4 * (size_t)f->j;
-    double d2 = 0.0, reach = a[3] + b[3] + s->plan->gap, close = reach + CALX_CLOSE_SHARE * s->skin,
-           soon = reach + CALX_INNER_SHARE * s->skin;
-    for (int k = 0; k < 3; k++) {
-        int turns = calx_shift_turns(f->shift, k);
-        double d = a[k] - b[k] - turns * (s->scene->high[k] - s->scene->low[k]);
-        d2 += d * d;
-    }
-    return kept >= 0 || d2 < close * close ? CALX_CLOSE : d2 < soon * soon ? CALX_SOON : CALX_LATER;
-}
-
 /* Resolves rows and orientation; returns the number of pairs that count. */
 static size_t resolve(const struct calx_rebuild *r, size_t block, struct ghost_table *t,
                       struct calx_local *l, struct raw_pair *raw)
@@ -124,15 +109,15 @@ static size_t resolve(const struct calx_rebuild *r, size_t block, struct ghost_t
     size_t own = r->n - (size_t)first < CALX_BLOCK ? r->n - (size_t)first : CALX_BLOCK, count = 0;
     for (size_t k = 0; k < found->count; k++) {
         const struct calx_found *f = &found->list[k];
-        if (both_fixed(r, f))
+        if (r->sim->some_fixed && both_fixed(r, f))
             continue;
         int32_t i = f->i - first, j = f->j - first;
         if (f->shift != CALX_NO_SHIFT || (size_t)j >= own)
             j = (int32_t)own + ghost_slot(t, l, f->j, f->shift);
-        int32_t mi = material[r->old_row[f->i]], mj = material[r->old_row[f->j]];
+        int32_t mi = r->types > 1 ? material[r->old_row[f->i]] : 0, mj = r->types > 1 ? material[r->old_row[f->j]] : 0;
         int32_t type = (int32_t)calx_plan_pair_type(r->sim->scene->material_count, (size_t)mi, (size_t)mj);
         int64_t kept = calx_keep_find(r, f->i, f->j);
-        enum calx_nearness nearness = nearness_of(r, f, kept);
+        enum calx_nearness nearness = kept >= 0 ? CALX_CLOSE : f->nearness; /* what touched is evaluated once more, wherever it is now */
         bool swap = mi > mj;
         bool same_way = kept >= 0 && r->kept[kept].i == (swap ? f->j : f->i);
         raw[count++] = (struct raw_pair){swap ? j : i, swap ? i : j, type, nearness, kept, same_way};

@@ -78,7 +78,9 @@ static int find_pairs(struct calx_rebuild *r)
 {
     const struct calx_sim *s = r->sim;
     double trial = s->trial ? 2.0 * s->moved : 0.0; /* what touched before a trial is not forgotten because of it */
-    struct calx_pairs_input in = {.x = r->x, .n = r->n, .block = CALX_BLOCK, .skin = s->skin + s->plan->gap + trial,
+    double gap = s->plan->gap;
+    struct calx_pairs_input in = {.x = r->x, .n = r->n, .block = CALX_BLOCK, .skin = s->skin + gap + trial,
+                                  .near = {gap + CALX_CLOSE_SHARE * s->skin, gap + CALX_INNER_SHARE * s->skin},
                                   .dimension = s->scene->dimension, .threads = s->team};
     for (int k = 0; k < 3; k++) {
         in.periodic[k] = s->scene->periodic[k];

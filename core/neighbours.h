@@ -8,9 +8,6 @@
 #include "core/pairs.h"
 #include "core/state.h"
 
-/* How near the bodies of a pair are when the list is built: they touch or nearly, may touch soon, or later. */
-enum calx_nearness { CALX_CLOSE, CALX_SOON, CALX_LATER, CALX_NEARNESSES };
-
 /* A block's pairs with rows local to the block, and the ghosts they need. */
 struct calx_local {
     size_t pairs, ghosts, ghost_capacity;

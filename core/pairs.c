@@ -168,15 +168,20 @@ static int short_turns(const struct calx_pairs_input *in, const struct grid *g, 
 /* A particle that looks for partners: itself as seen from the cells looked into, which are `shift` away. */
 struct seeker {
     double place, after; /* its own; partners come later in order than the second */
-    double at[3], reach;
+    double at[3], radius;
     int shift;
 };
 
-/* Bit k is set where member first + k is a partner. */
-static inline __attribute__((always_inline)) unsigned within(const struct calx_pairs_input *in, const struct grid *g,
-                                                             const struct seeker *p, size_t first, const bool any_brief)
+/* Of eight members: squares of distances, sums of radii. */
+struct eight {
+    calx_v8 square, reach;
+};
+
+static inline __attribute__((always_inline)) struct eight eight_at(const struct calx_pairs_input *in, const struct grid *g,
+                                                                   const struct seeker *p, size_t first, const bool any_brief)
 {
-    calx_v8 square = {0}, zero = {0}, radius = calx_v8_load_unaligned(g->member[3] + first) + p->reach;
+    calx_v8 zero = {0};
+    struct eight e = {zero, calx_v8_load_unaligned(g->member[3] + first) + p->radius};
     for (int k = 0; k < 3; k++) {
         calx_v8 d = p->at[k] - calx_v8_load_unaligned(g->member[k] + first);
         if (any_brief && g->brief[k]) {
@@ -184,9 +189,16 @@ static inline __attribute__((always_inline)) unsigned within(const struct calx_p
             d -= calx_v8_positive(d - half, zero + in->length[k], zero);
             d += calx_v8_positive(-half - d, zero + in->length[k], zero);
         }
-        square += d * d;
+        e.square += d * d;
     }
-    return calx_v8_less(square, radius * radius) & calx_v8_less(zero + p->after, calx_v8_load_unaligned(g->member[PLACE] + first));
+    return e;
+}
+
+/* Bit k is set where member k is nearer than the sum of radii and a margin. */
+static inline __attribute__((always_inline)) unsigned nearer(const struct eight *e, double margin)
+{
+    calx_v8 reach = e->reach + margin;
+    return calx_v8_less(e->square, reach * reach);
 }
 
 static uint8_t opposite(uint8_t shift)
@@ -200,15 +212,20 @@ static int match(const struct calx_pairs_input *in, const struct grid *g, const 
 {
     const bool any_brief = g->brief[0] || g->brief[1] || g->brief[2];
     for (int32_t m = first; m < last; m += 8) {
-        unsigned bits = any_brief ? within(in, g, p, (size_t)m, true) : within(in, g, p, (size_t)m, false);
+        struct eight e = any_brief ? eight_at(in, g, p, (size_t)m, true) : eight_at(in, g, p, (size_t)m, false);
+        unsigned bits = nearer(&e, in->skin) & calx_v8_less((calx_v8){0} + p->after, calx_v8_load_unaligned(g->member[PLACE] + m));
         bits &= last - m < 8 ? (1u << (last - m)) - 1 : 0xffu;
-        if (bits && reserve(out, 8))
+        if (!bits)
+            continue;
+        if (reserve(out, 8))
             return 1;
+        unsigned close = nearer(&e, in->near[0]), soon = nearer(&e, in->near[1]);
         for (; bits; bits &= bits - 1) {
-            size_t at = (size_t)m + (size_t)__builtin_ctz(bits);
-            int32_t i = (int32_t)p->place, j = (int32_t)g->member[PLACE][at];
-            uint8_t shift = (uint8_t)(p->shift + (any_brief ? short_turns(in, g, p->at, at) : 0));
-            out->list[out->count++] = j < i ? (struct calx_found){j, i, opposite(shift)} : (struct calx_found){i, j, shift};
+            unsigned k = (unsigned)__builtin_ctz(bits);
+            int32_t i = (int32_t)p->place, j = (int32_t)g->member[PLACE][m + (int32_t)k];
+            uint8_t shift = (uint8_t)(p->shift + (any_brief ? short_turns(in, g, p->at, (size_t)m + k) : 0));
+            uint8_t nearness = (uint8_t)(CALX_LATER - (close >> k & 1) - (soon >> k & 1));
+            out->list[out->count++] = j < i ? (struct calx_found){j, i, opposite(shift), nearness} : (struct calx_found){i, j, shift, nearness};
         }
     }
     return 0;
@@ -223,6 +240,10 @@ struct visit {
 static void visit_axis(const struct calx_pairs_input *in, const struct grid *g, int k, double x, bool joined, struct visit *v)
 {
     int c = cell_along(g, k, x), n = g->cells[k], seen = 0;
+    if (c > 0 && c < n - 1) {
+        *v = joined ? (struct visit){1, {c - 1}, {3}, {0}} : (struct visit){3, {c - 1, c, c + 1}, {1, 1, 1}, {0}};
+        return;
+    }
     v->count = 0;
     for (int d = -1; d <= 1; d++) {
         int e = c + d, turns = (e >= n) - (e < 0), last = v->count - 1;
@@ -241,9 +262,11 @@ static void visit_axis(const struct calx_pairs_input *in, const struct grid *g, 
     }
 }
 
-/* Sees particle i from cells whose turns along the axes are tx, ty, tz. */
+/* Sees the particle at x from cells whose turns along the axes are tx, ty, tz; from those with none it is seen as it is. */
 static void place_seeker(const struct calx_pairs_input *in, const double *x, const int turns[3], struct seeker *p)
 {
+    if (p->shift == CALX_NO_SHIFT && !(turns[0] | turns[1] | turns[2]))
+        return;
     p->shift = CALX_NO_SHIFT;
     for (int k = 0; k < 3; k++) {
         p->at[k] = turns[k] ? x[k] - turns[k] * in->length[k] : x[k];
@@ -255,19 +278,22 @@ static int search_grid(const struct search *s, const struct grid *g, int32_t i, 
                        struct calx_found_list *out)
 {
     const double *a = s->in->x + 4 * (size_t)i;
-    struct seeker p = {.place = i, .after = later ? i : -1, .reach = a[3] + s->in->skin};
+    struct seeker p = {.place = i, .after = later ? i : -1, .at = {a[0], a[1], a[2]}, .radius = a[3], .shift = CALX_NO_SHIFT};
     struct visit v[3], *vx = &v[0], *vy = &v[1], *vz = &v[2];
     for (int k = 0; k < 3; k++)
         visit_axis(s->in, g, k, a[k], k == 0, &v[k]);
     for (int z = 0; z < vz->count; z++)
-        for (int y = 0; y < vy->count; y++)
+        for (int y = 0; y < vy->count; y++) {
+            const int32_t *line = g->start + ((size_t)vz->cell[z] * g->cells[1] + vy->cell[y]) * g->cells[0];
             for (int x = 0; x < vx->count; x++) {
-                size_t line = ((size_t)vz->cell[z] * g->cells[1] + vy->cell[y]) * g->cells[0];
-                const int32_t *start = g->start + line + vx->cell[x];
+                int32_t first = line[vx->cell[x]], last = line[vx->cell[x] + vx->run[x]];
+                if (first == last)
+                    continue;
                 place_seeker(s->in, a, (const int[3]){vx->turns[x], vy->turns[y], vz->turns[z]}, &p);
-                if (match(s->in, g, &p, start[0], start[vx->run[x]], out))
+                if (match(s->in, g, &p, first, last, out))
                     return 1;
             }
+        }
     return 0;
 }
 

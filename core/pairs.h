@@ -9,11 +9,14 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* How near the bodies of a pair are: they touch or nearly, may touch soon, or later. */
+enum calx_nearness { CALX_CLOSE, CALX_SOON, CALX_LATER, CALX_NEARNESSES };
+
 /* A pair of particles in sorted order, i < j. The image of j that is near i is at x_j + shift * box, shift packed as
  * (sx+1) + 3 (sy+1) + 9 (sz+1); 13 is no shift. */
 struct calx_found {
     int32_t i, j;
-    uint8_t shift;
+    uint8_t shift, nearness;
 };
 
 enum { CALX_NO_SHIFT = 13 };
@@ -35,6 +38,7 @@ struct calx_pairs_input {
     const double *x;      /* rows of four {x, y, z, R}, sorted; positions inside the box on periodic axes */
     size_t n, block;      /* particles, particles per block */
     double skin;          /* m, added to the sum of radii (gap included) */
+    double near[2];       /* m, likewise, of pairs that are close, and of those that may touch soon */
     uint32_t dimension;
     bool periodic[3];
     double low[3], length[3]; /* of the box, on periodic axes */

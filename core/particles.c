@@ -36,6 +36,7 @@ static void fill_row(struct calx_sim *s, size_t i)
     x[3] = p->radius[i];
     int carrier = p->carrier ? p->carrier[i] : -1;
     bool held = carrier >= 0 && s->scene->walls[carrier].isothermal;
+    s->some_fixed |= carrier >= 0 || (p->fixed && p->fixed[i]);
     v[3] = carrier >= 0 || (p->fixed && p->fixed[i]) ? 0.0 : 1.0 / mass;
     if (s->r.stride == 8)
         v[7] = p->temperature ? p->temperature[i] : 293.15;

@@ -251,6 +251,7 @@ struct calx_sim {
     int64_t built_step;        /* when the list was built */
     double clearance;          /* m: nobody is nearer to the border of a bounded domain */
     double radius_min, radius_max;
+    bool some_fixed;            /* there are bodies that contacts do not move */
     int64_t rebuilds;
     bool built;
     double gravity[3];

@@ -30,7 +30,7 @@ static const struct random_scene scenes[] = {
 enum { N = 1500, BLOCK = 128, SEEDS = 3 };
 static const double LARGEST =
     0.11; /* of a unit box: with the skin below, half the box holds no second image */
-static const double SKIN = 0.01;
+static const double SKIN = 0.01, NEAR[2] = {0.002, 0.006};
 static const double CORNER = -0.4; /* of the box, so that positions have both signs */
 
 static double rows[4 * N];
@@ -71,8 +71,10 @@ static size_t brute_force(const struct random_scene *s, struct calx_found *out)
                     double d = rows[4 * i + k] - rows[4 * j + k] - turn[k];
                     d2 += !s->periodic[k] && turn[k] ? INFINITY : d * d;
                 }
+                double soon = reach - SKIN + NEAR[1], close = reach - SKIN + NEAR[0];
+                uint8_t nearness = d2 < close * close ? CALX_CLOSE : d2 < soon * soon ? CALX_SOON : CALX_LATER;
                 if (d2 < reach * reach)
-                    out[count++] = (struct calx_found){i, j, (uint8_t)shift};
+                    out[count++] = (struct calx_found){i, j, (uint8_t)shift, nearness};
             }
         }
     return count;
@@ -86,6 +88,7 @@ static size_t search(const struct random_scene *s, int threads, struct calx_foun
                                   .n = N,
                                   .block = BLOCK,
                                   .skin = SKIN,
+                                  .near = {NEAR[0], NEAR[1]},
                                   .dimension = s->dimension,
                                   .low = {CORNER, CORNER, CORNER},
                                   .length = {1, 1, 1},
@@ -117,10 +120,10 @@ START_TEST(search_equals_brute_force)
             ck_assert_msg(n == all, "scene %zu seed %llu: %zu pairs found, %zu exist", c,
                           (unsigned long long)seed, n, all);
             for (size_t k = 0; k < n; k++)
-                if (by_pair(&found[k], &expected[k]) || found[k].shift != expected[k].shift)
-                    ck_abort_msg("scene %zu: pair %zu is (%d, %d, %d), not (%d, %d, %d)", c, k,
-                                 found[k].i, found[k].j, found[k].shift, expected[k].i,
-                                 expected[k].j, expected[k].shift);
+                if (by_pair(&found[k], &expected[k]) || found[k].shift != expected[k].shift || found[k].nearness != expected[k].nearness)
+                    ck_abort_msg("scene %zu: pair %zu is (%d, %d, %d, %d), not (%d, %d, %d, %d)", c, k,
+                                 found[k].i, found[k].j, found[k].shift, found[k].nearness, expected[k].i,
+                                 expected[k].j, expected[k].shift, expected[k].nearness);
         }
     free(found);
     free(expected);
