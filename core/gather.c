@@ -153,6 +153,7 @@ CALX_INLINE void gather_speeds(const struct calx_block_view *b, struct calx_colu
     const uint32_t *i = b->i, *j = b->j;
     const size_t count = c->n;
     size_t vectors[CALX_HISTORY_MAX], vector_count = list_vectors(b->s->plan, vectors);
+    calx_v8 sum = {0}, mass = {0}; /* of inverse masses, and what it stands for: bodies of one mass need one division */
     for (size_t lane = 0; lane < count; lane += 8) {
         calx_v8 v[8], e[4], n[3], zero = {0}, one = zero + 1.0;
         if (wide)
@@ -171,7 +172,11 @@ CALX_INLINE void gather_speeds(const struct calx_block_view *b, struct calx_colu
             vn = calx_lanes_approach(un, u2, tilt);
         }
         calx_v8_store(c->vn + lane, vn);
-        calx_v8_store(c->mass + lane, calx_v8_positive(v[3], 1.0 / calx_v8_positive(v[3], v[3], one), zero));
+        if (calx_v8_less(v[3], sum) | calx_v8_less(sum, v[3])) {
+            sum = v[3];
+            mass = calx_v8_positive(sum, 1.0 / calx_v8_positive(sum, sum, one), zero);
+        }
+        calx_v8_store(c->mass + lane, mass);
         if (wide && conduct)
             calx_v8_store(c->warmth + lane, v[7]);
         if (!tangent)
