@@ -4,6 +4,7 @@
  *
  *     contact_problem make CASE FILE [PATH=VALUE...]   runs the case to its end; the problem of the last step, without impulses, goes to FILE
  *     contact_problem solve FILE OUT REPEATS TOLERANCE NAME=VALUE...   solves it from no impulses with these parameters of nscd
+ *     contact_problem show CASE [PATH=VALUE...]   runs the case; prints the impulses of its last step, and the velocities after it, as JSON
  *
  * `solve` writes the impulses to OUT and prints the sweeps, the residual and the seconds of each repeat. A file: counts of contacts and rows
  * (int64), dt, then by column velocity (8 per row), position (4), normal (3 per contact), lever (2), gap, friction (double), i, j (int32).
@@ -53,6 +54,17 @@ static void allocate(struct problem *p)
         p->body[k] = room(n, sizeof(int32_t));
 }
 
+static void release(struct problem *p)
+{
+    void *all[] = {p->velocity, p->position, p->none, p->body[0], p->body[1], p->axis};
+    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
+        free(all[k]);
+    for (int k = 0; k < NUMBERS; k++)
+        free(p->column[k]);
+    for (int k = 0; k < 4; k++)
+        free(p->impulse[k]);
+}
+
 /* Reads or writes the whole problem, whose counts are known. */
 static bool move(struct problem *p, FILE *file, size_t (*one)(void *, size_t, size_t, FILE *))
 {
@@ -95,39 +107,99 @@ static void take(const struct calx_problem *q, struct problem *p)
         memcpy(p->body[k], q->body[k], q->n * sizeof(int32_t));
 }
 
-static int make(int count, char **words)
+/* A case that has run to its end. */
+struct finished {
+    struct calx_registry *registry;
+    struct calx_scene *scene;
+    struct calx_sim *sim;
+};
+
+static int run(const char *path, int count, char **words, struct finished *f)
 {
     struct calx_setting settings[16];
     struct calx_problems problems = {0};
     struct calx_error e = {0};
     size_t given = 0;
-    for (; (int)given + 2 < count && given < 16; given++) {
-        char *equals = strchr(words[given + 2], '=');
+    for (; (int)given < count && given < 16; given++) {
+        char *equals = strchr(words[given], '=');
         if (!equals)
-            return fail(words[given + 2], "path=value was expected");
+            return fail(words[given], "path=value was expected");
         *equals = '\0';
-        settings[given] = (struct calx_setting){words[given + 2], equals + 1};
+        settings[given] = (struct calx_setting){words[given], equals + 1};
     }
-    struct calx_registry *registry = calx_registry_create(NULL);
-    struct calx_scene *scene = registry ? calx_case_read(words[0], registry, settings, given, &problems) : NULL;
+    f->registry = calx_registry_create(NULL);
+    f->scene = f->registry ? calx_case_read(path, f->registry, settings, given, &problems) : NULL;
     calx_problems_print(&problems, stderr);
-    struct calx_sim *sim = scene ? calx_sim_create(scene, registry, 0, &e) : NULL;
-    int code = !sim;
-    while (!code && !calx_sim_done(sim))
-        code = calx_sim_step(sim, &e);
-    if (code)
-        return fail(words[0], e.text);
+    calx_problems_clear(&problems);
+    f->sim = f->scene ? calx_sim_create(f->scene, f->registry, 0, &e) : NULL;
+    int code = !f->sim;
+    while (!code && !calx_sim_done(f->sim))
+        code = calx_sim_step(f->sim, &e);
+    return code ? fail(path, e.text) : 0;
+}
+
+static void end(struct finished *f)
+{
+    calx_sim_free(f->sim);
+    calx_scene_free(f->scene);
+    calx_registry_free(f->registry);
+}
+
+static int make(int count, char **words)
+{
+    struct finished f;
     struct problem p;
+    if (run(words[0], count - 2, words + 2, &f))
+        return 1;
     FILE *file = fopen(words[1], "wb");
-    take(calx_store_problem(sim), &p);
+    take(calx_store_problem(f.sim), &p);
     bool good = file && fwrite(&p.n, sizeof p.n, 1, file) == 1 && fwrite(&p.rows, sizeof p.rows, 1, file) == 1 &&
                 fwrite(&p.dt, sizeof p.dt, 1, file) == 1 && move(&p, file, write_one);
     if (file)
         good = !fclose(file) && good;
-    calx_sim_free(sim);
-    calx_scene_free(scene);
-    calx_registry_free(registry);
+    release(&p);
+    end(&f);
     return good ? 0 : fail(words[1], "cannot be written");
+}
+
+/* ---- show ---- */
+
+static long long id_of(const struct calx_sim *s, int32_t row)
+{
+    return row < 0 ? -1 : (long long)s->r.id[row];
+}
+
+static int show(int count, char **words)
+{
+    struct finished f;
+    if (run(words[0], count - 1, words + 1, &f))
+        return 1;
+    const struct calx_sim *s = f.sim;
+    const struct calx_problem *q = calx_store_problem(f.sim);
+    printf("{\"contacts\": [");
+    for (size_t c = 0; c < q->n; c++) {
+        printf("%s{\"i\": %lld, \"j\": %lld, \"normal\": [", c ? ",\n" : "", id_of(s, q->body[0][c]), id_of(s, q->body[1][c]));
+        for (int k = 0; k < 3; k++)
+            printf("%s%.17g", k ? ", " : "", q->normal[k][c]);
+        printf("], \"impulse\": [");
+        for (int k = 0; k < 3; k++)
+            printf("%s%.17g", k ? ", " : "", q->normal_impulse[c] * q->normal[k][c] + q->impulse[k][c]);
+        printf("]}");
+    }
+    printf("],\n\"bodies\": {");
+    for (size_t row = 0, first = 1; row < s->r.rows; row++) {
+        bool own = false;
+        for (size_t b = 0; b < s->block_count; b++)
+            own |= row >= (size_t)s->blocks[b].first && row < (size_t)(s->blocks[b].first + s->blocks[b].own);
+        const double *v = calx_row_v(s, (int32_t)row);
+        if (!own)
+            continue;
+        printf("%s\"%lld\": [%.17g, %.17g, %.17g, %.17g, %.17g, %.17g]", first ? "" : ", ", (long long)s->r.id[row], v[0], v[1], v[2], v[4], v[5], v[6]);
+        first = 0;
+    }
+    printf("}}\n");
+    end(&f);
+    return 0;
 }
 
 /* ---- solve ---- */
@@ -203,6 +275,8 @@ static int solve(int count, char **words)
     good = file != NULL;
     for (int k = 0; good && k < 4; k++)
         good = fwrite(p.impulse[(k + 3) % 4], sizeof(double), (size_t)p.n, file) == (size_t)p.n;
+    free(velocity);
+    release(&p);
     return file && !fclose(file) && good ? 0 : fail(words[1], "cannot be written");
 }
 
@@ -212,6 +286,9 @@ int main(int argc, char **argv)
         return make(argc - 2, argv + 2);
     if (argc >= 6 && strcmp(argv[1], "solve") == 0)
         return solve(argc - 2, argv + 2);
-    fprintf(stderr, "usage: contact_problem make CASE FILE [PATH=VALUE...]\n       contact_problem solve FILE OUT REPEATS TOLERANCE [NAME=VALUE...]\n");
+    if (argc >= 3 && strcmp(argv[1], "show") == 0)
+        return show(argc - 2, argv + 2);
+    fprintf(stderr, "usage: contact_problem make CASE FILE [PATH=VALUE...]\n       contact_problem solve FILE OUT REPEATS TOLERANCE [NAME=VALUE...]\n"
+                    "       contact_problem show CASE [PATH=VALUE...]\n");
     return 2;
 }
