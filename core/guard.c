@@ -36,15 +36,19 @@ static int not_finite(struct calx_sim *s, struct calx_error *e)
     return 0;
 }
 
+static const char SOFT[] = "The contact is too soft for the forces on it, or bodies overlap at the start: raise the stiffness, lower the speeds, or "
+                           "start without overlap";
+static const char RIGID[] = "Impulses do not hold these bodies apart: the solver went on with conditions unmet (solver-residual shows it; allow more sweeps), "
+                            "something closes in on them, or they come too far in a step: reduce dt, or start without overlap";
+
 static int too_deep(const struct calx_sim *s, const struct calx_tally *t, struct calx_error *e)
 {
     char partner[CALX_GUARD_TEXT], laws[CALX_GUARD_TEXT];
     calx_guard_name(s, t->overlap_rows[1], partner);
     calx_guard_laws(s->plan, laws);
     return calx_error_set(e, CALX_ERROR_PHYSICS,
-        "at t = %g s particle %lld overlaps %.80s by %.0f %% of the smaller radius (laws %.120s). The contact is too soft for the "
-        "forces on it, or bodies overlap at the start: raise the stiffness, lower the speeds, or start without overlap", s->time,
-        (long long)calx_row_id(s, t->overlap_rows[0]), partner, 100.0 * t->overlap, laws[0] ? laws : "none");
+        "at t = %g s particle %lld overlaps %.80s by %.0f %% of the smaller radius (laws %.120s). %s", s->time,
+        (long long)calx_row_id(s, t->overlap_rows[0]), partner, 100.0 * t->overlap, laws[0] ? laws : "none", s->plan->nonsmooth ? RIGID : SOFT);
 }
 
 static int32_t fastest_row(const struct calx_sim *s)
