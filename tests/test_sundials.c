@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * The integrators that SUNDIALS makes possible, through the whole engine. arkode: collisions of a pair, of a grain and a wall, and of a pair
- * across a periodic border, all in one scene at different times, against the closed form of the restitution to 1e-10; and that the moments at which
+ * across a periodic border, all in one scene at different times, against the closed form of the restitution to 1e-11; and that the moments at which
  * contacts begin and end are found. cvode: the modes of a chain in one stiff step, a steady flux, and a stiff network of unlike bodies
  * against heat-exponential.
  */
@@ -54,7 +54,7 @@ static struct calx_scene *collisions(const char *law, double e, double steps, do
     return s;
 }
 
-static const double EXACT = 1e-10;
+static const double EXACT = 1e-11;
 
 START_TEST(collisions_come_out_exactly)
 {
