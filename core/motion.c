@@ -184,10 +184,10 @@ int calx_motion_resolve(struct calx_plan *p, struct calx_error *e)
     if (!p->resolves)
         return 0;
     if (p->history + 2 > CALX_HISTORY_MAX)
-        return calx_error_set(e, CALX_ERROR_INPUT,
-                              "the contact laws and integrator '%s' keep more than %d "
-                              "numbers per contact",
-                              p->motion->name, CALX_HISTORY_MAX);
+        return calx_error_at(e, CALX_ERROR_INPUT, p->motion_model->place,
+                             "the contact laws and integrator '%s' keep more than %d "
+                             "numbers per contact",
+                             p->motion->name, CALX_HISTORY_MAX);
     p->owed = p->history++;
     p->past = p->history++;
     for (size_t l = 0; l < p->law_count; l++)

@@ -161,7 +161,7 @@ static int refuse_fixed(struct calx_sim *s, struct calx_error *e)
     char whose[64] = "a loaded plate";
     if (now.id >= 0)
         snprintf(whose, sizeof whose, "particle %lld with its %d contacts", (long long)now.id, now.contacts);
-    return calx_error_set(e, CALX_ERROR_INPUT,
+    return calx_error_at(e, CALX_ERROR_INPUT, s->plan->motion_model->place,
         "dt = %g s is above the stability limit %g s of the contacts at the start, set by %s: use "
         "dt=\"%.2g s\" or dt=\"auto\"; force=\"yes\" runs it all the same", s->dt, now.limit, whose, ADVISED * now.limit);
 }

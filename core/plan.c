@@ -108,6 +108,7 @@ static int add_law(struct calx_sim *s, struct calx_plan *p, const struct calx_mo
         return calx_error_at(e, CALX_ERROR_INPUT, m->place, "more than %d contact laws", CALX_LAWS_MAX);
     struct calx_law *law = &p->laws[p->law_count++];
     law->plugin = plugin;
+    law->model = m;
     law->law = plugin->law;
     law->own = calx_memory_zeroed(s->scene->material_count * s->scene->material_count, sizeof *law->own);
     if (!law->own)
@@ -237,15 +238,15 @@ static int order_laws(struct calx_plan *p, struct calx_error *e)
         const struct calx_contact_law *law = p->laws[l].law;
         uint32_t missing = law->depends & ~provided;
         if (missing)
-            return calx_error_set(e, CALX_ERROR_INPUT,
+            return calx_error_at(e, CALX_ERROR_INPUT, p->laws[l].model->place,
                 "contact '%s' needs a law that provides a %s, and none of the case's contact laws does: add one, "
                 "for example linear or hertz", p->laws[l].plugin->name, part_name(missing));
         if (law->nonsmooth && !(p->motion_law && p->motion_law->solves_impulses))
-            return calx_error_set(e, CALX_ERROR_INPUT,
+            return calx_error_at(e, CALX_ERROR_INPUT, p->laws[l].model->place,
                 "contact '%s' is non-smooth and needs an integrator that solves for impulses (nscd); '%s' does not",
                 p->laws[l].plugin->name, p->motion ? p->motion->name : "none");
         if (!law->nonsmooth && p->motion_law && p->motion_law->solves_impulses)
-            return calx_error_set(e, CALX_ERROR_INPUT,
+            return calx_error_at(e, CALX_ERROR_INPUT, p->laws[l].model->place,
                 "integrator '%s' solves for impulses and takes non-smooth laws only (signorini-coulomb, cohesive), "
                 "not '%s'", p->motion->name, p->laws[l].plugin->name);
         p->cohesion |= (law->provides & CALX_COHESION) != 0;
@@ -260,8 +261,8 @@ static int keep_impulses(const struct calx_sim *s, struct calx_plan *p, struct c
     const struct calx_particles *bodies = &s->scene->particles;
     double smallest = bodies->count ? bodies->radius[0] : 0.0;
     if (p->history + 4 > CALX_HISTORY_MAX)
-        return calx_error_set(e, CALX_ERROR_INPUT, "the contact laws keep more than %d numbers per contact",
-                              CALX_HISTORY_MAX);
+        return calx_error_at(e, CALX_ERROR_INPUT, p->motion_model->place, "the contact laws keep more than %d numbers per contact",
+                             CALX_HISTORY_MAX);
     p->impulse = p->history;
     p->history_is_vector[p->impulse] = 1;
     p->history += 4;
@@ -279,8 +280,8 @@ static int join_needs(const struct calx_sim *s, struct calx_plan *p, struct calx
         size_t columns = 3 * law->demand.history_vectors + law->demand.history_scalars;
         law->first_history = p->history;
         if (p->history + columns > CALX_HISTORY_MAX)
-            return calx_error_set(e, CALX_ERROR_INPUT, "the contact laws keep more than %d numbers per contact",
-                                  CALX_HISTORY_MAX);
+            return calx_error_at(e, CALX_ERROR_INPUT, law->model->place, "the contact laws keep more than %d numbers per contact",
+                                 CALX_HISTORY_MAX);
         for (size_t v = 0; v < law->demand.history_vectors; v++)
             p->history_is_vector[p->history + 3 * v] = 1;
         p->history += columns;
@@ -299,20 +300,21 @@ static int join_needs(const struct calx_sim *s, struct calx_plan *p, struct calx
 static int choose_step(struct calx_sim *s, struct calx_plan *p, struct calx_error *e)
 {
     const struct calx_models *m = p->models;
+    struct calx_place nowhere = {NULL, 0}, place = p->motion_model ? p->motion_model->place : nowhere;
     double fraction = m->dt_fraction > 0.0 ? m->dt_fraction : 0.05;
     CALX_TRY(calx_critical_step(s, p, e));
     p->dt = m->frozen ? m->heat_dt : m->dt > 0.0 ? m->dt : fraction * p->critical_dt;
     if (m->frozen && !(p->dt > 0.0))
         p->dt = m->dt;
     if (p->nonsmooth && !m->frozen && !(m->dt > 0.0))
-        return calx_error_set(e, CALX_ERROR_INPUT,
+        return calx_error_at(e, CALX_ERROR_INPUT, place,
             "no time step: rigid contacts vibrate at no frequency that could set one for integrator '%s'; give dt on <integrator>, so that "
             "bodies come a small share of their radius in a step", p->motion->name);
     if (!(p->dt > 0.0) || !isfinite(p->dt))
-        return calx_error_set(e, CALX_ERROR_INPUT,
+        return calx_error_at(e, CALX_ERROR_INPUT, place,
             "no time step: nothing in the case sets one (no stiff contact); give dt on <integrator>");
     if (!m->frozen && !m->forced && p->dt > p->critical_dt)
-        return calx_error_set(e, CALX_ERROR_INPUT,
+        return calx_error_at(e, CALX_ERROR_INPUT, place,
             "dt = %g s is above the stability limit %g s, set by %s: use dt=\"%.2g s\" (a twentieth of it) or dt=\"auto\"",
             p->dt, p->critical_dt, p->critical_text, 0.05 * p->critical_dt);
     p->adapts = !m->frozen && !(m->dt > 0.0) && !p->motion_law->constant_step;

@@ -33,6 +33,7 @@ enum {
 
 struct calx_law {
     const struct calx_plugin *plugin;
+    const struct calx_model *model;
     const struct calx_contact_law *law;
     char *params;            /* one struct per pair type, params_size apart */
     size_t first_history;    /* column */

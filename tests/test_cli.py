@@ -128,6 +128,28 @@ class Usage(InFolder):
                 self.assertTrue(any(word in text for text in found), done.stderr)
         self.assertEqual(os.listdir(self.folder), [])
 
+    # What each line alone does not show: contact and integrator, line and text of the refusal.
+    TOGETHER = [
+        ('plugin="coulomb" stiffness="1 N/m" friction="0.5"', 'plugin="velocity-verlet" dt="1 us"', 3, "needs a law that provides a normal force"),
+        ('plugin="signorini-coulomb"', 'plugin="velocity-verlet" dt="1 us"', 3, "needs an integrator that solves for impulses (nscd)"),
+        ('plugin="linear" stiffness="1 N/m"', 'plugin="nscd" dt="1 ms"', 3, "takes non-smooth laws only"),
+        ('plugin="signorini-coulomb"', 'plugin="nscd"', 4, "no time step"),
+        ('plugin="linear" stiffness="1e9 N/m"', 'plugin="velocity-verlet" dt="1 s"', 4, "is above the stability limit"),
+    ]
+
+    def test_what_does_not_go_together_names_the_line(self):
+        for contact, integrator, line, says in self.TOGETHER:
+            with self.subTest(contact=contact, integrator=integrator):
+                with open(self.path("case.xml"), "w", encoding="ascii") as file:
+                    file.write('<case title="x" dimension="3">\n<material name="m" density="2500 kg/m3"/>\n'
+                               f'<contact {contact}/>\n<integrator {integrator}/>\n'
+                               '<particles material="m" radius="1 mm"><particle at="0 0 0"/><particle at="0 0 2 mm"/></particles>\n'
+                               '<stage for="1 s"/>\n</case>\n')
+                done = calx("check", self.path("case.xml"))
+                self.assertEqual(done.returncode, 2)
+                self.assertIn(f"case.xml:{line}: ", done.stderr)
+                self.assertIn(says, done.stderr)
+
     def test_the_schema_is_a_grammar(self):
         done = calx("schema")
         self.assertEqual(done.returncode, 0)
