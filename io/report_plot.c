@@ -149,7 +149,7 @@ static void print_axes(const struct calx_report_job *job, const struct calx_repo
     const struct calx_report_scale *scale = &a->scales[q];
     fprintf(f, "set xrange [%.6g:%.6g]\nset yrange [%.6g:%.6g]\n", frame->left, frame->right, frame->low, frame->high);
     bool seeds = job->plan.reference == CALX_REPORT_STATISTICS;
-    fprintf(f, "set key inside %s Left reverse invert opaque samplen 2 spacing 1.1\n", seeds ? "right top" : "left bottom");
+    fputs("set key outside right top Left reverse invert samplen 2 spacing 1.1\n", f); /* curves may lie in any corner */
     fprintf(f, "set ylabel \"error%s of ", seeds ? ", at most (95 %),": "");
     print_text(quantity->name, f);
     if (scale->absolute)
@@ -270,7 +270,7 @@ static void print_script(const struct calx_report_job *job, const struct calx_re
                "if (!exists(\"kind\")) kind = 'svg'\n"
                "if (kind eq 'svg') { set terminal svg size %d,%d font 'Helvetica,14' background '#ffffff' } "
                "else { set terminal pngcairo size %d,%d font 'Sans,11' background '#ffffff' }\n"
-               "set output 'report.'.kind\n", columns * 900, rows * 560, columns * 900, rows * 560);
+               "set output 'report.'.kind\n", columns * 1120, rows * 560, columns * 1120, rows * 560);
     fputs("set encoding utf8\nset logscale xy\nset format x \"10^{%L}\"\nset format y \"10^{%L}\"\nset grid lt 1 lw 0.5 lc rgb '#e4e4e4'\n"
           "set datafile missing '?'\nset border lc rgb '#666666'\n"
           "set xlabel \"run time of what was compared (s), counted work x measured cost\"\n", f);
