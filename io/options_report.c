@@ -19,7 +19,7 @@ static int set_text(const char **text, const char *option, const char *what, con
 
 static int set_integrators(struct calx_arguments *a, const char *value, struct calx_error *error)
 {
-    return set_text(&a->integrators, "--integrators", "names with commas between them", value, error);
+    return set_text(&a->integrators, "--integrators", "names with commas between them, parameters behind colons as in nscd:solver=apgd", value, error);
 }
 
 static int set_step_range(struct calx_arguments *a, const char *value, struct calx_error *error)
@@ -49,7 +49,7 @@ static int set_points(struct calx_arguments *a, const char *value, struct calx_e
 
 static int set_quantity(struct calx_arguments *a, const char *value, struct calx_error *error)
 {
-    return set_text(&a->quantities, "--quantity", "names with commas between them", value, error);
+    return set_text(&a->quantities, "--quantity", "names with commas between them, parameters behind colons as in nscd:solver=apgd", value, error);
 }
 
 static int set_positive(double *number, const char *option, const char *unit, double most, const char *value,
@@ -109,7 +109,7 @@ static int set_json(struct calx_arguments *a, const char *value, struct calx_err
     return CALX_OK;
 }
 
-const struct calx_option calx_option_integrators = {"--integrators", "A,B,...", "only these (all that there are)",
+const struct calx_option calx_option_integrators = {"--integrators", "A,B:P=V,...", "only these (all that there are); B with the parameter P of value V",
                                                     set_integrators};
 const struct calx_option calx_option_step_range = {"--steps", "A..B", "smallest and largest step (around the limit)",
                                                    set_step_range};

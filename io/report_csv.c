@@ -30,7 +30,7 @@ static void print_result(const struct calx_report_job *job, const struct calx_re
 {
     const struct calx_report_point *p = r->point;
     const struct calx_report_study *s = &job->study;
-    fprintf(f, "%s,%.17g", s->candidates[p->candidate].plugin->name, p->dt);
+    fprintf(f, "%s,%.17g", s->candidates[p->candidate].name, p->dt);
     print_number(p->heat_dt > 0 ? p->heat_dt : NAN, f);
     print_number(p->tolerance > 0 ? p->tolerance : NAN, f);
     fprintf(f, ",%.17g,%s,%zu", p->stiffness, r->runs || r->why[0] ? statuses[r->status] : "not run", r->runs);

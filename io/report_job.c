@@ -35,7 +35,7 @@ int calx_report_job_run(struct calx_report_job *job, const struct calx_report_re
         job->skipped++;
         return CALX_OK;
     }
-    calx_report_progress_update(&job->progress, s->candidates[recipe->candidate].plugin->name, recipe->dt);
+    calx_report_progress_update(&job->progress, s->candidates[recipe->candidate].name, recipe->dt);
     int code = calx_report_run_go(s, recipe, deadline, &made, error);
     job->progress.spent += calx_terminal_clock() - begin;
     job->progress.runs++;

@@ -48,7 +48,7 @@ static void print_verdict(const struct calx_report_job *job, const struct calx_r
     print_number("reference_uncertainty", a->scales[q].floor, f);
     fputs(", \"integrator\": ", f);
     if (v->best)
-        print_string(s->candidates[v->best->point->candidate].plugin->name, f);
+        print_string(s->candidates[v->best->point->candidate].name, f);
     else
         fputs("null", f);
     print_number("dt", v->best ? v->best->point->dt : NAN, f);
@@ -73,7 +73,7 @@ static void print_integrator(const struct calx_report_job *job, const struct cal
     const struct calx_report_study *s = &job->study;
     const struct calx_report_candidate *candidate = &s->candidates[c];
     fputs("{\"name\": ", f);
-    print_string(candidate->plugin->name, f);
+    print_string(candidate->name, f);
     fprintf(f, ", \"own\": %s, \"refused\": ", candidate->own ? "true" : "false");
     print_string(candidate->refused, f);
     print_number("critical", candidate->critical, f);
@@ -98,7 +98,7 @@ static void print_point(const struct calx_report_job *job, const struct calx_rep
     static const char *const statuses[] = {"good", "unstable", "refused"};
     const struct calx_report_study *s = &job->study;
     fputs("{\"integrator\": ", f);
-    print_string(s->candidates[r->point->candidate].plugin->name, f);
+    print_string(s->candidates[r->point->candidate].name, f);
     fprintf(f, ", \"status\": \"%s\"", r->runs || r->why[0] ? statuses[r->status] : "not run");
     print_number("dt", r->point->dt, f);
     print_number("heat_dt", r->point->heat_dt > 0 ? r->point->heat_dt : NAN, f);

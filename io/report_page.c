@@ -75,12 +75,12 @@ static void print_integrators(const struct calx_report_job *job, const struct ca
                              : ((const struct calx_temperature_integrator *)candidate->plugin->law)->order;
         if (candidate->refused[0] || !at)
             continue; /* the notes say why */
-        snprintf(declared, sizeof declared, "%u", order);
+        snprintf(declared, sizeof declared, candidate->value_count ? "-" : "%u", order); /* of the defaults */
         snprintf(time, sizeof time, "-");
         if (isfinite(candidate->critical))
             calx_report_step(candidate->critical, time, sizeof time);
         calx_report_percent(at->errors[q].error, a->scales[q].absolute, s->quantities[q].unit, error, sizeof error);
-        fprintf(f, "| %s%s | ", candidate->plugin->name, candidate->own ? " (the case's)" : "");
+        fprintf(f, "| %s%s | ", candidate->name, candidate->own ? " (the case's)" : "");
         if (isnan(curve->order))
             fputs("-", f);
         else
@@ -94,20 +94,14 @@ static void print_integrators(const struct calx_report_job *job, const struct ca
 static void print_points(const struct calx_report_job *job, const struct calx_report_analysis *a, size_t q, FILE *f)
 {
     const struct calx_report_study *s = &job->study;
-    char step[32], error[32], wide[32], time[32], soft[48];
+    char step[32], error[32], wide[32], time[32], soft[96];
     fputs("| integrator | dt | error | ± | evaluations | time | |\n|---|---|---|---|---|---|---|\n", f);
     for (size_t k = 0; k < a->count; k++) {
         const struct calx_report_result *r = &a->results[k];
         if (!r->runs && !r->why[0])
             continue;
-        *soft = '\0';
-        if (r->point->stiffness != 1)
-            snprintf(soft, sizeof soft, ", %.3g times softer", 1 / r->point->stiffness);
-        else if (r->point->tolerance > 0)
-            snprintf(soft, sizeof soft, ", tolerance %.0e", r->point->tolerance);
-        else if (r->point->heat_dt > 0)
-            snprintf(soft, sizeof soft, ", heat step %s", calx_report_step(r->point->heat_dt, time, sizeof time));
-        fprintf(f, "| %s%s | %s | ", s->candidates[r->point->candidate].plugin->name, soft,
+        calx_report_beside(r->point, ", ", soft, sizeof soft);
+        fprintf(f, "| %s%s | %s | ", s->candidates[r->point->candidate].name, soft,
                 calx_report_step(r->point->dt, step, sizeof step));
         if (r->status != CALX_REPORT_GOOD) {
             fprintf(f, "- | - | - | - | %s |\n", r->status == CALX_REPORT_REFUSED ? "refused" : "unstable");
@@ -180,7 +174,7 @@ static void print_absent(const struct calx_report_job *job, const struct calx_re
             failed |= a->results[k].point->candidate == (int)c && a->results[k].why[0];
         if (s->candidates[c].refused[0] || failed || calx_report_nearest(a, (int)c, s->own_dt))
             continue;
-        fprintf(f, "%s%s", any ? ", " : before, s->candidates[c].plugin->name);
+        fprintf(f, "%s%s", any ? ", " : before, s->candidates[c].name);
         any = true;
     }
     if (any)
@@ -188,7 +182,7 @@ static void print_absent(const struct calx_report_job *job, const struct calx_re
     for (size_t c = 0; c < s->candidate_count; c++)
         for (size_t k = 0; k < a->count && !calx_report_nearest(a, (int)c, s->own_dt); k++)
             if (a->results[k].point->candidate == (int)c && a->results[k].why[0]) {
-                fprintf(f, "- no run of %s came to its end: %s\n", s->candidates[c].plugin->name, a->results[k].why);
+                fprintf(f, "- no run of %s came to its end: %s\n", s->candidates[c].name, a->results[k].why);
                 break;
             }
 }
@@ -198,15 +192,15 @@ static void print_notes(const struct calx_report_job *job, const struct calx_rep
     const struct calx_report_study *s = &job->study;
     for (size_t c = 0; c < s->candidate_count; c++)
         if (s->candidates[c].refused[0])
-            fprintf(f, "- %s does not fit this case: %s\n", s->candidates[c].plugin->name, s->candidates[c].refused);
+            fprintf(f, "- %s does not fit this case: %s\n", s->candidates[c].name, s->candidates[c].refused);
     for (size_t c = 0; c < s->candidate_count; c++)
         if (s->candidates[c].unsafe)
             fprintf(f, "- %s is stable at no step: calx runs it only if forced, and the verdict leaves it out\n",
-                    s->candidates[c].plugin->name);
+                    s->candidates[c].name);
     for (size_t k = 0; k < a->count; k++)
         if (a->results[k].status == CALX_REPORT_UNSTABLE) {
             fprintf(f, "- the first that failed: %s with dt = %.3g s: %s\n",
-                    s->candidates[a->results[k].point->candidate].plugin->name, a->results[k].point->dt,
+                    s->candidates[a->results[k].point->candidate].name, a->results[k].point->dt,
                     a->results[k].why);
             break;
         }

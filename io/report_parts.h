@@ -15,7 +15,8 @@ enum {
     CALX_REPORT_QUANTITIES = 16, /* most in one report */
     CALX_REPORT_BODIES = 48,     /* most whose paths are compared */
     CALX_REPORT_SAMPLES = 64,    /* most instants at which runs are compared */
-    CALX_REPORT_RANGE = 4        /* most entries of --soften */
+    CALX_REPORT_RANGE = 4,       /* most entries of --soften */
+    CALX_REPORT_VALUES = 8       /* most parameters of one choice of --integrators */
 };
 
 /* ---- what is compared (report_quantity.c) ---- */
@@ -30,10 +31,13 @@ struct calx_report_quantity {
     size_t first, width;             /* its numbers in a sample */
 };
 
-/* ---- an integrator (report_study.c) ---- */
+/* ---- an integrator with its parameters (report_study.c) ---- */
 
 struct calx_report_candidate {
     const struct calx_plugin *plugin;
+    char name[128];       /* as it is shown: the plugin's, with the parameters that were asked for */
+    size_t value_count;
+    struct calx_value values[CALX_REPORT_VALUES]; /* other than the case's */
     bool own;             /* the case's */
     double critical;      /* s, the limit that calx estimates for it; infinite if there is none */
     bool unsafe;          /* calx runs it at no step, unless forced */
@@ -133,6 +137,11 @@ int calx_report_limit(struct calx_report_study *, const struct calx_report_recip
 int calx_report_options_read(struct calx_report_study *, struct calx_error *);
 /* The next word of a list with commas; false at its end. */
 bool calx_report_options_word(const char **list, char *word, size_t size);
+
+/* report_choice.c: one choice of --integrators. CALX_ERROR_INPUT says what was expected. */
+int calx_report_choice_read(const struct calx_report_study *, const char *text, struct calx_report_candidate *, struct calx_error *);
+/* Whether it is what the model (or NULL) says. */
+bool calx_report_choice_is(const struct calx_report_candidate *, const struct calx_model *);
 
 /* report_quantity.c: chooses what is compared. statistics: only what has a meaning when paths are lost. */
 int calx_report_quantities_choose(struct calx_report_study *, bool statistics, struct calx_error *);
@@ -415,6 +424,8 @@ const char *calx_report_machine(char *text, size_t size);
 const char *calx_report_step(double seconds, char *text, size_t size);   /* 2.5 us */
 const char *calx_report_time(double seconds, char *text, size_t size);   /* 2.5 us, 12 s, 3:07 */
 const char *calx_report_percent(double error, bool absolute, const char *unit, char *text, size_t size); /* 0.12 % */
+/* What a point beside the ladder of steps has other than the case, each behind `before`; "" for one of the ladder. */
+const char *calx_report_beside(const struct calx_report_point *, const char *before, char *text, size_t size);
 /* Creates a file in the folder. */
 struct calx_file;
 int calx_report_create(const struct calx_report_job *, const char *name, struct calx_file *, struct calx_error *);

@@ -111,6 +111,12 @@ struct marks {
     size_t front, failed; /* how many */
 };
 
+/* The colour of a point's integrator as a number, for lc rgb variable. */
+static long colour_of(const struct calx_report_result *r)
+{
+    return strtol(colours[r->point->candidate % STYLES] + 1, NULL, 16);
+}
+
 /* Points beside the ladders, the front, and what failed. */
 static struct marks print_marks(const struct calx_report_job *job, const struct calx_report_analysis *a, size_t q,
                         const struct frame *frame, FILE *f)
@@ -119,7 +125,7 @@ static struct marks print_marks(const struct calx_report_job *job, const struct 
     fprintf(f, "$other%zu << EOD\n", q);
     for (size_t k = 0; k < a->count; k++)
         if (seen(&a->results[k], q) && !calx_report_is_plain(a->results[k].point))
-            fprintf(f, "%.6g %.6g\n", a->results[k].seconds, height_of(job, &a->results[k], q));
+            fprintf(f, "%.6g %.6g %ld\n", a->results[k].seconds, height_of(job, &a->results[k], q), colour_of(&a->results[k]));
     fprintf(f, "EOD\n$front%zu << EOD\n", q);
     for (size_t k = 0; k < a->count; k++)
         if (a->results[k].front[q] && seen(&a->results[k], q))
@@ -128,7 +134,7 @@ static struct marks print_marks(const struct calx_report_job *job, const struct 
     for (size_t k = 0; k < a->count; k++)
         if (a->results[k].status != CALX_REPORT_GOOD || (a->results[k].runs && a->results[k].errors[q].error >= 3))
             marks.failed += fprintf(f, "%.6g %.6g %ld\n", seconds_of(job, &a->results[k]), frame->high / 1.3,
-                    strtol(colours[a->results[k].point->candidate % STYLES] + 1, NULL, 16)) > 0;
+                    colour_of(&a->results[k])) > 0;
     fputs("EOD\n", f);
     return marks;
 }
@@ -181,13 +187,13 @@ static void print_best(const struct calx_report_job *job, const struct calx_repo
 {
     const struct calx_report_result *best = a->verdicts[q].best;
     const struct calx_report_result *mine = calx_report_nearest(a, job->study.own, job->study.own_dt);
-    char step[32], words[160];
+    char step[32], more[96], words[320];
     if (mine && mine != best && seen(mine, q))
         print_mark(4, "the step you have", mine->seconds, height_of(job, mine, q), frame, "pt 12 ps 2.4 lw 1.5", f);
     if (!best)
         return;
-    snprintf(words, sizeof words, "use %s, dt = %s", job->study.candidates[best->point->candidate].plugin->name,
-             calx_report_step(best->point->dt, step, sizeof step));
+    snprintf(words, sizeof words, "use %s, dt = %s%s", job->study.candidates[best->point->candidate].name,
+             calx_report_step(best->point->dt, step, sizeof step), calx_report_beside(best->point, ", ", more, sizeof more));
     print_mark(2, words, best->seconds, height_of(job, best, q), frame, "pt 6 ps 2.6 lw 2", f);
 }
 
@@ -227,7 +233,7 @@ static void print_plot(const struct calx_report_job *job, const struct calx_repo
         fprintf(f, ", \\\n  $edge%zu using 1:2:3 with points pt 2 ps 1.3 lw 2 lc rgb variable "
                    "title \"unstable, or no digit right\"", q);
     if (s->soften_count || !isnan(s->heat_low) || !isnan(s->tight))
-        fprintf(f, ", \\\n  $other%zu using 1:2 with points pt 2 ps 1 lc rgb '#777777' title \"%s\"", q,
+        fprintf(f, ", \\\n  $other%zu using 1:2:3 with points pt 2 ps 1 lw 1.6 lc rgb variable title \"%s\"", q,
                 s->soften_count ? "softer contacts" : !isnan(s->tight) ? "other tolerances" : "other heat steps");
     for (size_t k = calx_report_points_curve(job, q, 0), n = 0; k < job->peer_count; k = calx_report_points_curve(job, q, k + 1), n++)
         fprintf(f, ", \\\n  $peer%zuq%zu using 1:2 with linespoints pt %d ps 1.3 dt 2 lw 1.6 lc rgb '%s' title \"%s\"", k, q,
@@ -241,7 +247,7 @@ static void print_plot(const struct calx_report_job *job, const struct calx_repo
         if (!isnan(curve->order))
             snprintf(order, sizeof order, ", order %.1f", curve->order);
         fprintf(f, ", \\\n  $c%zuq%zu using 1:2 with linespoints pt %d ps %.2f lw 1.6 lc rgb '%s' title \"%s%s\"", c, q,
-                shapes[c % STYLES], 0.8 + 0.15 * fmin((double)c, 5), colour, s->candidates[c].plugin->name, order);
+                shapes[c % STYLES], 0.8 + 0.15 * fmin((double)c, 5), colour, s->candidates[c].name, order);
     }
     fputc('\n', f);
 }

@@ -31,7 +31,7 @@ static size_t grade_of(unsigned holds)
 
 static void name_row(const struct calx_report_job *job, const struct calx_report_sweep *w, char *text, size_t size)
 {
-    snprintf(text, size, "%s, k x %g%s", job->study.candidates[w->candidate].plugin->name, w->stiffness,
+    snprintf(text, size, "%s, k x %g%s", job->study.candidates[w->candidate].name, w->stiffness,
              w->damping == 0 ? ", undamped" : "");
 }
 
@@ -51,7 +51,7 @@ static void print_rows(const struct calx_report_job *job, const struct calx_repo
     fputs("| integrator | stiffness | damping | limit of dt | order holds to | energy holds to | bounds hold to |\n"
           "|---|---|---|---|---|---|---|\n", f);
     for (size_t k = 0; k < count; k++) {
-        fprintf(f, "| %s | x %g | x %g | %s |", job->study.candidates[w[k].candidate].plugin->name, w[k].stiffness,
+        fprintf(f, "| %s | x %g | x %g | %s |", job->study.candidates[w[k].candidate].name, w[k].stiffness,
                 w[k].damping, calx_report_step(w[k].limit, step, sizeof step));
         print_share(calx_report_holds_to(&w[k], CALX_REPORT_BOUNDS | CALX_REPORT_ORDER), f);
         print_share(calx_report_holds_to(&w[k], CALX_REPORT_BOUNDS | CALX_REPORT_ENERGY), f);
@@ -71,7 +71,7 @@ static int write_csv(const struct calx_report_job *job, const struct calx_report
         for (int i = 0; i < CALX_REPORT_LADDER; i++)
             if (w[k].holds[i] & CALX_REPORT_SEEN)
                 fprintf(file.stream, "%s,%g,%g,%.17g,%.17g,%d,%d,%d,%.6g,%.6g,%.6g\n",
-                        job->study.candidates[w[k].candidate].plugin->name, w[k].stiffness, w[k].damping, w[k].limit,
+                        job->study.candidates[w[k].candidate].name, w[k].stiffness, w[k].damping, w[k].limit,
                         w[k].share[i], !!(w[k].holds[i] & CALX_REPORT_BOUNDS), !!(w[k].holds[i] & CALX_REPORT_ENERGY),
                         !!(w[k].holds[i] & CALX_REPORT_ORDER), w[k].residual[i], w[k].error[i], w[k].order[i]);
     return calx_file_commit(&file, error);
@@ -94,7 +94,7 @@ static void print_boxes(const struct calx_report_sweep *w, size_t count, FILE *f
 
 static void print_script(const struct calx_report_job *job, const struct calx_report_sweep *w, size_t count, FILE *f)
 {
-    char name[128];
+    char name[192];
     int height = 150 + 24 * (int)count;
     fprintf(f, "# Redraws stability.svg or stability.png: gnuplot -e \"kind='svg'\" stability.gp\n"
                "if (!exists(\"kind\")) kind = 'svg'\n"
@@ -135,7 +135,7 @@ static int write_page(const struct calx_report_job *job, const struct calx_repor
     print_rows(job, w, count, f);
     fputc('\n', f);
     for (size_t k = 0; k < count; k++) {
-        char name[128];
+        char name[192];
         name_row(job, &w[k], name, sizeof name);
         if (w[k].why[0])
             fprintf(f, "- %s: not even 1/64 of the limit came to its end: %s\n", name, w[k].why);

@@ -15,6 +15,8 @@ static int out_of_memory(struct calx_error *error)
     return calx_error_set(error, CALX_ERROR_MEMORY, "out of memory");
 }
 
+static const double LEAST = 1. / 16; /* share of its limit at which an integrator fits the case or does not */
+
 /* ---- the case ---- */
 
 static const struct calx_model *model_of(const struct calx_models *models, enum calx_kind kind)
@@ -76,26 +78,6 @@ static void look_at_particles(struct calx_report_study *s)
 
 /* ---- the integrators ---- */
 
-static bool is_named(const char *list, const char *name)
-{
-    char word[64];
-    while (calx_report_options_word(&list, word, sizeof word))
-        if (strcmp(word, name) == 0)
-            return true;
-    return false;
-}
-
-/* Every name of the list is that of an integrator: of motion, or of temperature where nothing moves. */
-static int check_names(struct calx_report_study *s, struct calx_error *error)
-{
-    const char *list = s->options->integrators;
-    char word[64];
-    while (calx_report_options_word(&list, word, sizeof word))
-        if (!calx_registry_find(s->run.registry, s->axis, word, error))
-            return error->code;
-    return CALX_OK;
-}
-
 /* The case's own, then the cheaper ones: where the budget does not suffice the last are left out. */
 static int by_rank(const void *a, const void *b)
 {
@@ -104,7 +86,7 @@ static int by_rank(const void *a, const void *b)
         return x->own ? -1 : 1;
     if (x->evaluations != y->evaluations)
         return x->evaluations < y->evaluations ? -1 : 1;
-    return strcmp(x->plugin->name, y->plugin->name);
+    return strcmp(x->name, y->name);
 }
 
 /* Evaluations of forces per step before any is counted. An adaptive integrator does not say: as many as a step of fourth order. */
@@ -129,53 +111,102 @@ static void note_adaptive(struct calx_report_study *s, const char *name)
     snprintf(s->adaptive + used, sizeof s->adaptive - used, "%s%s", used ? "," : "", name);
 }
 
-static int find_candidates(struct calx_report_study *s, struct calx_error *error)
+/* The first choice that is what the case says is the case's own. */
+static void add_candidate(struct calx_report_study *s, struct calx_report_candidate c)
 {
     const struct calx_scene *scene = s->run.scene;
     const struct calx_model *own = model_of(&scene->models[scene->stages[0].models], s->axis);
-    CALX_TRY(check_names(s, error));
-    size_t count = calx_registry_load_all(s->run.registry, NULL);
-    s->candidates = calloc(count + 1, sizeof *s->candidates);
+    c.own = s->own < 0 && calx_report_choice_is(&c, own);
+    c.evaluations = stages_of(s, c.plugin);
+    for (size_t k = 0; k < s->candidate_count; k++)
+        if (strcmp(s->candidates[k].name, c.name) == 0)
+            return;
+    s->own = c.own ? 0 : s->own;
+    s->candidates[s->candidate_count++] = c;
+}
+
+/* Those of the list, with their parameters. */
+static int take_named(struct calx_report_study *s, struct calx_error *error)
+{
+    const char *list = s->options->integrators;
+    struct calx_report_candidate c;
+    char word[2 * sizeof c.name];
+    while (calx_report_options_word(&list, word, sizeof word)) {
+        CALX_TRY(calx_report_choice_read(s, word, &c, error));
+        add_candidate(s, c);
+    }
+    return CALX_OK;
+}
+
+/* All that there are. */
+static int take_all(struct calx_report_study *s, struct calx_error *error)
+{
+    struct calx_report_candidate c;
+    for (size_t k = 0; k < calx_registry_count(s->run.registry); k++) {
+        const struct calx_plugin *plugin = calx_registry_at(s->run.registry, k);
+        if (!plugin || plugin->kind != s->axis)
+            continue;
+        CALX_TRY(calx_report_choice_read(s, plugin->name, &c, error));
+        const size_t before = s->candidate_count;
+        add_candidate(s, c);
+        if (before == s->candidate_count || s->candidates[before].own || !is_hopeless(s, plugin))
+            continue;
+        s->candidate_count = before;
+        note_adaptive(s, plugin->name);
+    }
+    return CALX_OK;
+}
+
+static size_t words_in(const char *list)
+{
+    size_t count = 1;
+    for (; list && *list; list++)
+        count += *list == ',';
+    return count;
+}
+
+static int find_candidates(struct calx_report_study *s, struct calx_error *error)
+{
+    const char *list = s->options->integrators;
+    size_t most = list ? words_in(list) : calx_registry_load_all(s->run.registry, NULL);
+    s->candidates = calloc(most + 1, sizeof *s->candidates);
     if (!s->candidates)
         return out_of_memory(error);
-    for (size_t k = 0; k < count; k++) {
-        const struct calx_plugin *plugin = calx_registry_at(s->run.registry, k);
-        bool mine = own && strcmp(own->plugin, plugin->name) == 0;
-        if (plugin->kind != s->axis || (s->options->integrators && !is_named(s->options->integrators, plugin->name)))
-            continue;
-        if (!mine && !s->options->integrators && is_hopeless(s, plugin)) {
-            note_adaptive(s, plugin->name);
-            continue;
-        }
-        s->candidates[s->candidate_count++] =
-            (struct calx_report_candidate){.plugin = plugin, .own = mine, .critical = INFINITY,
-                                           .evaluations = stages_of(s, plugin)};
-    }
+    CALX_TRY(list ? take_named(s, error) : take_all(s, error));
     qsort(s->candidates, s->candidate_count, sizeof *s->candidates, by_rank);
-    s->own = s->candidate_count && s->candidates[0].own ? 0 : -1;
     return CALX_OK;
+}
+
+/* The limit, found with a step that is this share of it; *why: the refusal. */
+static int look_for_limit(struct calx_report_study *s, struct calx_scene *scene, double share, double *limit, char *why, size_t size)
+{
+    struct calx_error refused = {0};
+    *why = '\0';
+    for (size_t m = 0; m < scene->models_count; m++) {
+        scene->models[m].dt = s->axis == CALX_MOTION ? 0 : s->own_dt;
+        scene->models[m].dt_fraction = share;
+        scene->models[m].safety = 1;
+        scene->models[m].forced = true; /* a limit is asked for, not whether steps of that length resolve contacts */
+    }
+    struct calx_sim *sim = calx_sim_create(scene, s->run.registry, s->options->threads, &refused);
+    if (sim && s->axis == CALX_MOTION)
+        *limit = calx_sim_dt(sim) / share;
+    else if (!sim && !strstr(refused.text, "no time step"))
+        snprintf(why, size, "%.255s", refused.text);
+    calx_sim_free(sim);
+    return !*why;
 }
 
 int calx_report_limit(struct calx_report_study *s, const struct calx_report_recipe *recipe, double *limit,
                       char *why, size_t size, struct calx_error *error)
 {
     struct calx_scene *scene = calx_report_variant_create(s, s->run.scene, recipe);
-    struct calx_error refused = {0};
     *limit = INFINITY;
-    *why = '\0';
     if (!scene)
         return out_of_memory(error);
-    for (size_t m = 0; m < scene->models_count; m++) {
-        scene->models[m].dt = s->axis == CALX_MOTION ? 0 : s->own_dt;
-        scene->models[m].dt_fraction = scene->models[m].safety = 1;
-        scene->models[m].forced = true; /* a limit is asked for, not whether steps of that length resolve contacts */
-    }
-    struct calx_sim *sim = calx_sim_create(scene, s->run.registry, s->options->threads, &refused);
-    if (sim && s->axis == CALX_MOTION)
-        *limit = calx_sim_dt(sim);
-    else if (!sim && !strstr(refused.text, "no time step"))
-        snprintf(why, size, "%.255s", refused.text);
-    calx_sim_free(sim);
+    double share = 1; /* at the limit itself a fast body may move too far in a step */
+    while (!look_for_limit(s, scene, share, limit, why, size) && share > LEAST)
+        share *= 0.5;
     calx_report_variant_free(scene);
     return CALX_OK;
 }

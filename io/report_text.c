@@ -28,6 +28,19 @@ const char *calx_report_time(double seconds, char *text, size_t size)
     return seconds < 0.1 ? calx_report_step(seconds, text, size) : calx_terminal_duration(seconds, text, size);
 }
 
+const char *calx_report_beside(const struct calx_report_point *p, const char *before, char *text, size_t size)
+{
+    char step[32];
+    *text = '\0';
+    if (p->stiffness != 1)
+        snprintf(text, size, "%scontacts %.3g times softer", before, 1 / p->stiffness);
+    else if (p->tolerance > 0)
+        snprintf(text, size, "%sa tolerance of %.0e", before, p->tolerance);
+    else if (p->heat_dt > 0)
+        snprintf(text, size, "%sa heat step of %s", before, calx_report_step(p->heat_dt, step, sizeof step));
+    return text;
+}
+
 const char *calx_report_percent(double error, bool absolute, const char *unit, char *text, size_t size)
 {
     if (isnan(error))
@@ -101,7 +114,7 @@ static void print_own(const struct calx_report_job *job, const struct calx_repor
     if (s->own < 0)
         return;
     calx_report_step(s->own_dt, step, sizeof step);
-    const char *name = s->candidates[s->own].plugin->name;
+    const char *name = s->candidates[s->own].name;
     const char *begin = v->target > s->options->target ? " For that the" : " The"; /* it is said of the target that is reached */
     if (!v->own)
         fprintf(file, " With %s, which the case has, no step that was tried is enough.", name);
@@ -148,7 +161,7 @@ void calx_report_print_verdict(const struct calx_report_job *job, const struct c
     const struct calx_report_quantity *quantity = &s->quantities[q];
     const struct calx_report_verdict *v = &a->verdicts[q];
     bool absolute = a->scales[q].absolute;
-    char target[32], wanted[32], step[32], error[32], time[32];
+    char target[32], wanted[32], step[32], error[32], time[32], more[96];
     calx_report_percent(s->options->target, absolute, quantity->unit, wanted, sizeof wanted);
     calx_report_percent(v->target, absolute, quantity->unit, target, sizeof target);
     if (a->scales[q].still) {
@@ -163,13 +176,8 @@ void calx_report_print_verdict(const struct calx_report_job *job, const struct c
     calx_report_step(p->dt, step, sizeof step);
     calx_report_percent(calx_report_upper(&job->plan, &v->best->errors[q]), absolute, quantity->unit, error, sizeof error);
     fprintf(file, "For %s in %s use %s with dt = %s", target, quantity->name,
-            s->candidates[p->candidate].plugin->name, step);
-    if (p->heat_dt > 0)
-        fprintf(file, " and a heat step of %s", calx_report_step(p->heat_dt, time, sizeof time));
-    if (p->stiffness != 1)
-        fprintf(file, " and contacts %.3g times softer", 1 / p->stiffness);
-    if (p->tolerance > 0)
-        fprintf(file, " and a tolerance of %.0e", p->tolerance);
+            s->candidates[p->candidate].name, step);
+    fputs(calx_report_beside(p, " and ", more, sizeof more), file);
     bool whole = !isnan(v->whole);
     fprintf(file, ": %s%s, error %s%s.",
             calx_report_time(whole ? v->whole : v->best->seconds, time, sizeof time),

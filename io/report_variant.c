@@ -61,15 +61,32 @@ static void *copy_of(const void *from, size_t count, size_t size)
 
 /* ---- models ---- */
 
-/* Another integrator of the kind takes its own defaults; the case's keeps what the case says. */
-static void take_integrator(struct calx_models *models, const struct calx_plugin *plugin)
+/* There is room for one more value. */
+static void set_value(struct calx_model *m, const char *name, double value)
+{
+    struct calx_value *v = m->values;
+    while (v < m->values + m->value_count && strcmp(v->name, name))
+        v++;
+    if (v == m->values + m->value_count) {
+        m->value_count++;
+        *v = (struct calx_value){.pair = {-1, -1}, .place = m->place};
+        snprintf(v->name, sizeof v->name, "%.47s", name);
+    }
+    v->value = value;
+}
+
+/* Another integrator of the kind takes its own defaults, the case's what the case says; both what was asked for besides. */
+static void take_integrator(struct calx_models *models, const struct calx_report_candidate *c)
 {
     for (size_t k = 0; k < models->count; k++) {
         struct calx_model *m = &models->list[k];
-        if (m->kind != (enum calx_kind)plugin->kind || strcmp(m->plugin, plugin->name) == 0)
+        if (m->kind != (enum calx_kind)c->plugin->kind)
             continue;
-        m->value_count = 0;
-        snprintf(m->plugin, sizeof m->plugin, "%.47s", plugin->name);
+        if (strcmp(m->plugin, c->plugin->name))
+            m->value_count = 0;
+        snprintf(m->plugin, sizeof m->plugin, "%.47s", c->plugin->name);
+        for (size_t v = 0; v < c->value_count; v++)
+            set_value(m, c->values[v].name, c->values[v].value);
     }
 }
 
@@ -105,27 +122,17 @@ bool calx_report_variant_has_tolerance(const struct calx_report_study *s, int ca
     return has;
 }
 
-/* Values, and room for one more. */
+/* Values, and room for those of a choice and a tolerance. */
 static struct calx_value *with_room(const struct calx_value *values, size_t count)
 {
-    struct calx_value *copy = calloc(count + 1, sizeof *copy);
+    struct calx_value *copy = calloc(count + CALX_REPORT_VALUES + 1, sizeof *copy);
     return copy && count ? memcpy(copy, values, count * sizeof *copy) : copy;
 }
 
-/* There is room for one more value. */
 static void take_tolerance(const struct calx_report_study *s, struct calx_model *m, double value)
 {
-    if (!(value > 0) || !has_tolerance(s, m->kind, m->plugin))
-        return;
-    struct calx_value *v = m->values;
-    while (v < m->values + m->value_count && strcmp(v->name, tolerance))
-        v++;
-    if (v == m->values + m->value_count) {
-        m->value_count++;
-        *v = (struct calx_value){.pair = {-1, -1}, .place = m->place};
-        snprintf(v->name, sizeof v->name, "%s", tolerance);
-    }
-    v->value = value;
+    if (value > 0 && has_tolerance(s, m->kind, m->plugin))
+        set_value(m, tolerance, value);
 }
 
 static bool vary_models(struct calx_models *models, const struct calx_report_study *s,
@@ -145,7 +152,7 @@ static bool vary_models(struct calx_models *models, const struct calx_report_stu
             scale_values(m->values, m->value_count, r);
     }
     take_steps(models, s, r);
-    take_integrator(models, s->candidates[r->candidate].plugin);
+    take_integrator(models, &s->candidates[r->candidate]);
     for (size_t k = 0; k < models->count; k++)
         take_tolerance(s, &models->list[k], r->tolerance);
     return true;

@@ -69,6 +69,12 @@ class Usage(InFolder):
         ([accuracy("linear"), "--steps", ""], "two steps"), ([accuracy("linear"), "--heat-steps", "1"], "--heat-steps"),
         ([accuracy("linear"), "--integrators", "velocity-verlte"], "velocity-verlet"),
         ([accuracy("linear"), "--integrators", "heat-theta"], "heat-theta"), ([accuracy("linear"), "--integrators", ""], "names"),
+        ([accuracy("linear"), "--integrators", "gear:ordr=5"], "'order'"), ([accuracy("linear"), "--integrators", "nscd:solver=apg"], "nsgs|apgd"),
+        ([accuracy("linear"), "--integrators", "nscd:relaxation"], "with a value"),
+        ([accuracy("linear"), "--integrators", "nscd:relaxation=2"], "less than 2"),
+        ([accuracy("linear"), "--integrators", "nscd:reach=1 m"], "'m'"), ([accuracy("linear"), "--integrators", "nscd:"], "no parameter ''"),
+        ([accuracy("linear"), "--integrators", "nscd" + 8 * ":theta=0.5" + ":theta=1"], "up to 8"),
+        ([accuracy("linear"), "--integrators", "nscd" + 20 * ":theta=0.5"], "longer than"),
         ([accuracy("linear"), "--quantity", "reboudn"], "rebound"), ([accuracy("linear"), "--quantity", "temperatures"], "none"),
         ([accuracy("conduction-pair"), "--quantity", "paths"], "nothing moves"),
         ([accuracy("conduction-pair"), "--stability"], "nothing moves"),
@@ -200,6 +206,31 @@ class Errors(InFolder):
         heat = self.report(accuracy("conduction-chain"), "--integrators", "heat-exponential", "--tolerances", "1e-12..1e-3", "--budget", PLENTY,
                            name="heat")
         self.assertEqual(len([p for p in heat["points"] if p["tolerance"]]), 10)
+
+    def test_solvers(self):
+        # The forces of this packing are determined by balance alone: each solver comes to them, from nothing in each step, as its tolerance says.
+        choices = ["nscd:solver=nsgs", "nscd:relaxation=1.5", "nscd:order=bottom-up", "nscd:solver=apgd"]
+        case = os.path.join(ROOT, "cases", "21-soft-to-rigid", "case.xml")
+        report = self.report(case, "--integrators", ",".join(choices), "--tolerances", "1e-6..1e-2", "--steps", "2e-4..2e-4", "--quantity", "left",
+                             "--set", "integrator/warm-start=no", "--set", "integrator/accuracy=1", "--set", "integrator/tolerance=1e-4",
+                             "--budget", PLENTY)
+        self.assertEqual({i["name"] for i in report["integrators"]}, set(choices))
+        self.assertEqual([i["name"] for i in report["integrators"] if i["own"]], choices[:1])
+        for choice in choices:
+            errors = {round(math.log10(p["tolerance"])): p["errors"]["left"][0] for p in report["points"]
+                      if p["integrator"] == choice and p["tolerance"]}
+            self.assertEqual(sorted(errors), list(range(-6, -1)))
+            for exponent, error in errors.items():
+                self.assertLess(error, 100 * 10**exponent + 1e-6, (choice, exponent))
+            self.assertGreater(errors[-2], 100 * errors[-6])
+        self.assertEqual(len({p["errors"]["left"][0] for p in report["points"] if p["tolerance"] and p["tolerance"] > 9e-5}), 12)
+
+    def test_a_choice_changes_what_is_run(self):
+        # Without damping Gear's schemes gain an order: what counts here is that these are two schemes, two orders apart. At its limit, 304 us,
+        # that of third order would move the body by more than half its radius in a step: the step is what is wrong there, not the integrator.
+        report = self.report(accuracy("oscillator"), "--integrators", "gear:order=3,gear:order=5", "--steps", "1e-6..2e-5", "--budget", PLENTY)
+        self.assertEqual([i["refused"] for i in report["integrators"]], ["", ""])
+        self.assertAlmostEqual(order_of(report, "gear:order=5", "height") - order_of(report, "gear:order=3", "height"), 2, delta=0.1)
 
 
 class Verdicts(InFolder):
