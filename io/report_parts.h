@@ -426,6 +426,8 @@ const char *calx_report_time(double seconds, char *text, size_t size);   /* 2.5 
 const char *calx_report_percent(double error, bool absolute, const char *unit, char *text, size_t size); /* 0.12 % */
 /* What a point beside the ladder of steps has other than the case, each behind `before`; "" for one of the ladder. */
 const char *calx_report_beside(const struct calx_report_point *, const char *before, char *text, size_t size);
+/* Copies a text; one that is too long ends with a whole word and three points. */
+void calx_report_shorten(char *text, size_t size, const char *from);
 /* Creates a file in the folder. */
 struct calx_file;
 int calx_report_create(const struct calx_report_job *, const char *name, struct calx_file *, struct calx_error *);

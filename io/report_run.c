@@ -109,7 +109,7 @@ static int run_through(const struct calx_report_study *s, struct calx_sim *sim, 
     if (code != CALX_ERROR_PHYSICS)
         return code;
     run->status = CALX_REPORT_UNSTABLE;
-    snprintf(run->why, sizeof run->why, "%.255s", error->text);
+    calx_report_shorten(run->why, sizeof run->why, error->text);
     return CALX_OK;
 }
 
@@ -144,7 +144,7 @@ int calx_report_run_go(struct calx_report_study *s, const struct calx_report_rec
         code = run_through(s, sim, deadline, run, error);
     } else {
         run->status = why.code == CALX_ERROR_PHYSICS ? CALX_REPORT_UNSTABLE : CALX_REPORT_REFUSED;
-        snprintf(run->why, sizeof run->why, "%.255s", why.text);
+        calx_report_shorten(run->why, sizeof run->why, why.text);
         if (why.code == CALX_ERROR_MEMORY)
             code = calx_error_set(error, why.code, "%s", why.text);
     }

@@ -192,7 +192,7 @@ static int look_for_limit(struct calx_report_study *s, struct calx_scene *scene,
     if (sim && s->axis == CALX_MOTION)
         *limit = calx_sim_dt(sim) / share;
     else if (!sim && !strstr(refused.text, "no time step"))
-        snprintf(why, size, "%.255s", refused.text);
+        calx_report_shorten(why, size, refused.text);
     calx_sim_free(sim);
     return !*why;
 }

@@ -28,6 +28,17 @@ const char *calx_report_time(double seconds, char *text, size_t size)
     return seconds < 0.1 ? calx_report_step(seconds, text, size) : calx_terminal_duration(seconds, text, size);
 }
 
+void calx_report_shorten(char *text, size_t size, const char *from)
+{
+    static const char more[] = " ...";
+    if (snprintf(text, size, "%s", from) < (int)size)
+        return;
+    size_t end = size - sizeof more;
+    while (end && text[end] != ' ')
+        end--;
+    memcpy(text + end, more, sizeof more);
+}
+
 const char *calx_report_beside(const struct calx_report_point *p, const char *before, char *text, size_t size)
 {
     char step[32];

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Shows a result of calx in ParaView: grains as spheres of their radius, walls, contacts, colour bar with unit, time.
+"""Shows a result of calx in ParaView: grains as spheres of their radius, walls, slabs, contacts, colour bar with unit, time.
 
 In the window of ParaView: paraview/view RESULT.pvd (which runs `paraview --script=paraview/calx_view.py` with CALX_PVD set).
 Without a screen: paraview/render. From a script: import calx_view; calx_view.build("RESULT.pvd").
 """
+import glob
 import os
 
 from paraview import simple
@@ -34,6 +35,7 @@ class Scene:
     def __init__(self, view):
         self.view = view
         self.grains = self.walls = self.contacts = None
+        self.slabs = []
         self.times = [0.0]
         self.bounds = [0.0] * 6
         self.dimension = 3
@@ -43,6 +45,11 @@ class Scene:
 def companion(pvd, suffix):
     path = pvd[: -len(".pvd")] + suffix + ".pvd"
     return path if os.path.exists(path) else None
+
+
+def slabs_of(pvd):
+    """The series of the solids behind walls, NAME_slab_WALL.pvd."""
+    return sorted(glob.glob(glob.escape(pvd[: -len(".pvd")]) + "_slab_*.pvd"))
 
 
 def open_series(path, name):
@@ -71,10 +78,10 @@ def union(a, b):
 
 
 def survey(scene):
-    """Bounds of grains and walls over sampled times, with room for the largest radius; 2D if all z are the same."""
+    """Bounds of grains, walls and slabs over sampled times, with room for the largest radius; 2D if all z are the same."""
     bounds, radius = None, 0.0
     for time in sampled(scene.times):
-        for source in (scene.grains, scene.walls):
+        for source in (scene.grains, scene.walls, *scene.slabs):
             if source:
                 source.UpdatePipeline(time)
                 bounds = union(bounds, source.GetDataInformation().GetBounds())
@@ -140,6 +147,19 @@ def show_walls(scene, colored):
         display.ColorArrayName = ["POINTS", ""]
 
 
+def show_slabs(scene, colored):
+    """Their cells in the colours of the grains where these show temperature, else gray."""
+    for slab in scene.slabs:
+        display = simple.Show(slab, scene.view)
+        display.SetRepresentationType("Surface")
+        display.AmbientColor = display.DiffuseColor = GRAY
+        display.Ambient, display.Diffuse = 1.0, 0.0  # flat: nothing but the field
+        if colored:
+            simple.ColorBy(display, ("CELLS", "temperature"))
+        else:
+            display.ColorArrayName = ["POINTS", ""]
+
+
 def show_contacts(scene, visible, span):
     scene.contacts.UpdatePipeline(scene.times[-1])
     if "normal_force" not in scene.contacts.CellData.keys():
@@ -181,7 +201,10 @@ def show_bar(scene, display, field, unit):
 def color_grains(scene, display, field, unit, preset, span):
     components = scene.grains.PointData[field].GetNumberOfComponents()
     simple.ColorBy(display, ("POINTS", field) + (("Magnitude",) if components > 1 else ()))
-    set_colors(field, preset, span or span_of(scene, scene.grains, "PointData", field))
+    spans = [span_of(scene, scene.grains, "PointData", field)]
+    if field == "temperature":
+        spans += [span_of(scene, slab, "CellData", field) for slab in scene.slabs]
+    set_colors(field, preset, span or (min(s[0] for s in spans), max(s[1] for s in spans)))
     show_bar(scene, display, field, unit)
 
 
@@ -298,6 +321,7 @@ def build(pvd, color=None, span=None, contacts=False, up=None, size=None):
     walls, network = companion(pvd, "_walls"), companion(pvd, "_contacts")
     scene.walls = open_series(walls, "walls") if walls else None
     scene.contacts = open_series(network, "contacts") if network else None
+    scene.slabs = [open_series(path, os.path.basename(path)[: -len(".pvd")]) for path in slabs_of(pvd)]
     survey(scene)
     simple.GetAnimationScene().UpdateAnimationUsingDataTimeSteps()
     set_time(scene, scene.times[-1])  # at the start there may be no contacts, and then no range for their colours
@@ -306,6 +330,7 @@ def build(pvd, color=None, span=None, contacts=False, up=None, size=None):
     scene.color = chosen[0] if chosen else None
     if scene.walls:  # before the grains: ColorBy() fits the colours to what was shown last
         show_walls(scene, scene.color == "temperature" and "temperature" in scene.walls.CellData.keys())
+    show_slabs(scene, scene.color == "temperature")
     if scene.contacts:
         show_contacts(scene, contacts, span)
     display = show_grains(scene)
