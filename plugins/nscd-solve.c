@@ -240,7 +240,7 @@ static void relax_some(void *context, size_t first, size_t last)
 /* Returns the size of the change. */
 static double sweep(struct nscd_solver *s)
 {
-    double sum = 0;
+    double sum = nscd_chains_solve(s);
     struct stretch t = {s, 0};
     size_t alone = 0; /* from here on one after the other */
     for (size_t k = 0; s->p->order == COLOURED && k < NSCD_COLOURS && s->first[k] < s->first[k + 1]; k++) {
@@ -308,7 +308,7 @@ int nscd_solve(const struct nscd *p, const struct calx_motion_host *host, struct
     int failed = !s.list || !s.change2;
     if (!failed) {
         set_up(&s);
-        failed = p->order == COLOURED && nscd_colour(&s);
+        failed = (p->order == COLOURED && nscd_colour(&s)) || (p->chains > 0 && nscd_chains_find(&s));
     }
     if (failed)
         snprintf(why, why_size, "not enough memory for %zu contacts", q->n);
@@ -318,5 +318,6 @@ int nscd_solve(const struct nscd *p, const struct calx_motion_host *host, struct
         hand_back(&s);
     free(s.list);
     free(s.change2);
+    nscd_chains_free(&s.chains);
     return failed;
 }

@@ -11,7 +11,7 @@
 #include "core/plugin.h"
 
 struct nscd { /* from the table */
-    double theta, solver, tolerance, accuracy, sweeps, unsolved, relaxation, order, warm, reach;
+    double theta, solver, tolerance, accuracy, sweeps, unsolved, relaxation, order, chains, warm, reach;
 };
 
 struct nscd_contact {
@@ -30,6 +30,14 @@ struct nscd_contact {
 
 enum { NSCD_COLOURS = 64 };
 
+struct nscd_chains { /* of contacts, one behind the other */
+    size_t count;
+    size_t *first;    /* where each begins in the arrays that follow; count + 1 */
+    size_t *contact;  /* places in the list */
+    double *coupling; /* 1/kg: of normal impulse and velocity, contact and the next of its chain */
+    double *change;   /* N s: room for two numbers per contact */
+};
+
 struct nscd_solver {
     const struct nscd *p;
     const struct calx_motion_host *host;
@@ -42,6 +50,7 @@ struct nscd_solver {
     double stopping; /* N s: size of the impulses that would stop the contacts as they approach freely, each alone */
     double left;     /* N s: what is left of the conditions, as of the last look */
     size_t first[NSCD_COLOURS + 2]; /* where the contacts of each colour begin, and those without, which come last */
+    struct nscd_chains chains;
     double *change2; /* N2 s2: square of the change of each contact in a sweep */
 };
 
@@ -50,6 +59,12 @@ int nscd_solve(const struct nscd *, const struct calx_motion_host *, struct calx
 
 /* nscd-colour.c: sorts the contacts by colours. Returns 0, or 1 without memory. */
 int nscd_colour(struct nscd_solver *);
+
+/* nscd-chain.c: finds the chains of the list; 0, or 1 without memory. To be freed in any case. */
+int nscd_chains_find(struct nscd_solver *);
+void nscd_chains_free(struct nscd_chains *);
+/* Brings the normal impulses of each chain to their conditions at once; returns the square of the change. */
+double nscd_chains_solve(struct nscd_solver *);
 
 /* Looks at what the impulses in the list leave of the conditions; returns whether that is little enough. */
 int nscd_is_solved(struct nscd_solver *);
