@@ -266,7 +266,7 @@ class Verdicts(InFolder):
 
     def test_the_same_verdict_whatever_the_clock(self):
         """Times differ between two reports, the errors and each integrator's own choice of step do not; the verdict only if what an evaluation
-        costs with one integrator against another came out otherwise by more than the tenth that counts as equal."""
+        costs with one integrator against another came out otherwise: where it is near the tenth that counts as equal, a little will do."""
         first, second = (self.report(accuracy("linear"), "--budget", PLENTY, name=name) for name in ("a", "b"))
         self.assertEqual([p["errors"] for p in first["points"]], [p["errors"] for p in second["points"]])
         self.assertEqual([p["evaluations"] for p in first["points"]], [p["evaluations"] for p in second["points"]])
@@ -276,7 +276,7 @@ class Verdicts(InFolder):
             return
         costs = [{i["name"]: i["cost"] for i in report["integrators"]} for report in (first, second)]
         ratios = [cost[one["integrator"]] / cost[other["integrator"]] for cost in costs]
-        self.assertGreater(ratios[1] / ratios[0], 1.05)
+        self.assertGreater(ratios[1], ratios[0])
 
 
 class Interrupted(InFolder):
