@@ -49,7 +49,7 @@ static int set_points(struct calx_arguments *a, const char *value, struct calx_e
 
 static int set_quantity(struct calx_arguments *a, const char *value, struct calx_error *error)
 {
-    return set_text(&a->quantities, "--quantity", "names with commas between them, parameters behind colons as in nscd:solver=apgd", value, error);
+    return set_text(&a->quantities, "--quantity", "names with commas between them", value, error);
 }
 
 static int set_positive(double *number, const char *option, const char *unit, double most, const char *value,

@@ -144,7 +144,7 @@ static int take_all(struct calx_report_study *s, struct calx_error *error)
     struct calx_report_candidate c;
     for (size_t k = 0; k < calx_registry_count(s->run.registry); k++) {
         const struct calx_plugin *plugin = calx_registry_at(s->run.registry, k);
-        if (!plugin || plugin->kind != s->axis)
+        if (plugin->kind != s->axis)
             continue;
         CALX_TRY(calx_report_choice_read(s, plugin->name, &c, error));
         const size_t before = s->candidate_count;
@@ -160,7 +160,7 @@ static int take_all(struct calx_report_study *s, struct calx_error *error)
 static size_t words_in(const char *list)
 {
     size_t count = 1;
-    for (; list && *list; list++)
+    for (; *list; list++)
         count += *list == ',';
     return count;
 }

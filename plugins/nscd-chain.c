@@ -82,7 +82,7 @@ static void collect(struct joints *t, struct nscd_chains *chains, size_t k)
         chains->contact[n++] = at;
         row = across(&list[at], row);
     }
-    n -= row == start && moves(t->s, row) && n > first; /* both ends hang on one body */
+    n -= row == start && moves(t->s, row); /* both ends hang on one body */
     if (n - first > 1)
         chains->first[++chains->count] = n;
 }

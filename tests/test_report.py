@@ -209,6 +209,8 @@ class Errors(InFolder):
 
     def test_solvers(self):
         # The forces of this packing are determined by balance alone: each solver comes to them, from nothing in each step, as its tolerance says.
+        # What is left of the conditions comes back as an error of the forces, times w_n over the least eigenvalue of W: 2 (2 N + 1)^2/pi^2 for a column
+        # of N, 34 for the six layers here (33 came out). It is no column: three times that. 1e-6: of the solution that the case gives.
         choices = ["nscd:solver=nsgs", "nscd:relaxation=1.5", "nscd:order=bottom-up", "nscd:solver=apgd"]
         case = os.path.join(ROOT, "cases", "21-soft-to-rigid", "case.xml")
         report = self.report(case, "--integrators", ",".join(choices), "--tolerances", "1e-6..1e-2", "--steps", "2e-4..2e-4", "--quantity", "left",
@@ -265,18 +267,12 @@ class Verdicts(InFolder):
         self.assertAlmostEqual(verdict["own_step_finer_than_needed"], verdict["dt"] / 5e-6, delta=1e-9)
 
     def test_the_same_verdict_whatever_the_clock(self):
-        """Times differ between two reports, the errors and each integrator's own choice of step do not; the verdict only if what an evaluation
-        costs with one integrator against another came out otherwise: where it is near the tenth that counts as equal, a little will do."""
+        """Times differ between two reports, the verdict and every error do not."""
         first, second = (self.report(accuracy("linear"), "--budget", PLENTY, name=name) for name in ("a", "b"))
         self.assertEqual([p["errors"] for p in first["points"]], [p["errors"] for p in second["points"]])
         self.assertEqual([p["evaluations"] for p in first["points"]], [p["evaluations"] for p in second["points"]])
-        one, other = first["verdicts"][0], second["verdicts"][0]
-        if one["integrator"] == other["integrator"]:
-            self.assertEqual(one["dt"], other["dt"])
-            return
-        costs = [{i["name"]: i["cost"] for i in report["integrators"]} for report in (first, second)]
-        ratios = [cost[one["integrator"]] / cost[other["integrator"]] for cost in costs]
-        self.assertGreater(ratios[1], ratios[0])
+        self.assertEqual(first["verdicts"][0]["integrator"], second["verdicts"][0]["integrator"])
+        self.assertEqual(first["verdicts"][0]["dt"], second["verdicts"][0]["dt"])
 
 
 class Interrupted(InFolder):
